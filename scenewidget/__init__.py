@@ -1,0 +1,46 @@
+"""Cut indoor 3D scans into meaningful pieces without training, and correct them by hand in a notebook.
+
+A first look::
+
+    import scenewidget as sw
+
+    mesh, truth = sw.datasets.load_room()     # a small simulated scan and its truth
+    seg = sw.segment(mesh)                    # Segmentation: seg.labels, seg.confidence, seg.to_frame()
+    w = sw.SceneWidget(mesh)                  # the same in 3D, with sliders, in a notebook
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from scenewidget import datasets, engine
+    from scenewidget.engine.mesh import Mesh, MeshError, load_mesh
+    from scenewidget.engine.segmentation import Segmentation
+
+_HOME = {  # public name -> module that defines it; resolved on first use, so that importing stays fast
+    "Mesh": "engine.mesh",
+    "MeshError": "engine.mesh",
+    "load_mesh": "engine.mesh",
+    "Segmentation": "engine.segmentation",
+}
+_MODULES = ("datasets", "engine")
+
+__all__ = ["Mesh", "MeshError", "Segmentation", "__version__", "datasets", "engine", "load_mesh"]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("scenewidget")
+    if name in _HOME:
+        return getattr(importlib.import_module(f"scenewidget.{_HOME[name]}"), name)
+    if name in _MODULES:
+        return importlib.import_module(f"scenewidget.{name}")
+    raise AttributeError(f"module 'scenewidget' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

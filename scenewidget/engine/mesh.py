@@ -1,0 +1,368 @@
+"""The triangle mesh that everything starts from: what it holds, how it is read, what is next to what.
+
+Goes in: a file, a trimesh, or arrays. Comes out: a checked, read-only `Mesh` and its plain geometry
+(areas, normals, face adjacency, connected components).
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy import sparse
+from scipy.sparse import csgraph
+
+__all__ = [
+    "BoolArray",
+    "FloatArray",
+    "IntArray",
+    "Mesh",
+    "MeshError",
+    "connected_components",
+    "face_adjacency",
+    "load_mesh",
+]
+
+FloatArray = npt.NDArray[np.floating[Any]]
+IntArray = npt.NDArray[np.integer[Any]]
+BoolArray = npt.NDArray[np.bool_]
+
+MAX_FAN = 8  # faces at one edge up to which every two of them count as adjacent
+SUFFIXES = (".ply", ".obj", ".glb", ".gltf", ".stl", ".off")
+
+
+class MeshError(ValueError):
+    """Geometry that can't be worked with: no faces, indices out of range, NaN vertices, a truncated file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles over vertices; arrays are copied, checked and made read-only.
+
+    Faces are kept exactly as they came (order, duplicates, degenerate ones), so that a label per face
+    means the same face to the caller as to us.
+
+    Parameters
+    ----------
+    vertices : (n_vertices, 3) float64
+        Positions in metres.
+    faces : (n_faces, 3) int32
+        Vertex indices, counter-clockwise seen from the side that the normal points to.
+    vertex_colors : (n_vertices, 3) uint8, optional
+        Red, green, blue as scanned.
+
+    Raises
+    ------
+    MeshError
+        No faces, an index out of range, or a vertex in use that is NaN or infinite.
+    TypeError
+        Arrays that don't hold numbers.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    vertex_colors: npt.NDArray[np.uint8] | None = None
+
+    def __post_init__(self) -> None:
+        vertices = _number_array("vertices", self.vertices)
+        faces = _number_array("faces", self.faces)
+        if vertices.ndim != 2 or vertices.shape[1] != 3:
+            raise MeshError(f"vertices must have shape (n_vertices, 3), got {vertices.shape}")
+        if faces.size == 0:
+            raise MeshError("faces is empty: a mesh needs at least one triangle (a point cloud has none)")
+        if faces.ndim != 2 or faces.shape[1] != 3:
+            raise MeshError(
+                f"faces must have shape (n_faces, 3), got {faces.shape}; split polygons into triangles first"
+            )
+        if not np.issubdtype(faces.dtype, np.integer):
+            if not np.array_equal(faces, np.floor(faces)):
+                raise TypeError(f"faces must hold whole numbers, got dtype {faces.dtype}")
+        lowest, highest = faces.min(), faces.max()
+        if lowest < 0 or highest >= len(vertices):
+            row = int(np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=1))[0])
+            raise MeshError(
+                f"faces[{row}] = {faces[row].tolist()} refers to a vertex that does not exist: "
+                f"there are {len(vertices)} vertices, numbered from 0"
+            )
+        vertices = np.array(vertices, dtype=np.float64, order="C")
+        faces = np.array(faces, dtype=np.int32, order="C")
+        if not np.isfinite(vertices).all():
+            bad = ~np.isfinite(vertices).all(axis=1)
+            is_used = bad[faces].any(axis=1)
+            if is_used.any():
+                row = int(np.flatnonzero(is_used)[0])
+                raise MeshError(
+                    f"vertices has NaN or infinite positions in {int(bad.sum())} rows, and {int(is_used.sum())} "
+                    f"faces use them (first: faces[{row}]); drop those faces, for example "
+                    "faces[np.isfinite(vertices)[faces].all(axis=(1, 2))]"
+                )
+            vertices[bad] = 0.0
+        for array in (vertices, faces):
+            array.flags.writeable = False
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "faces", faces)
+        if self.vertex_colors is not None:
+            object.__setattr__(self, "vertex_colors", _color_array(self.vertex_colors, len(vertices)))
+
+    def __repr__(self) -> str:
+        colors = "" if self.vertex_colors is None else ", coloured"
+        return f"Mesh({self.n_vertices} vertices, {self.n_faces} faces{colors})"
+
+    @property
+    def n_vertices(self) -> int:
+        """Number of vertices, unused ones included."""
+        return len(self.vertices)
+
+    @property
+    def n_faces(self) -> int:
+        """Number of triangles."""
+        return len(self.faces)
+
+    @cached_property
+    def face_vectors(self) -> FloatArray:
+        """(n_faces, 3) cross product of two edges: normal direction, length twice the area."""
+        a, b, c = (self.vertices[self.faces[:, i]] for i in range(3))
+        return _read_only(np.cross(b - a, c - a))
+
+    @cached_property
+    def face_areas(self) -> FloatArray:
+        """(n_faces,) square metres; 0 for degenerate faces."""
+        return _read_only(0.5 * np.linalg.norm(self.face_vectors, axis=1))
+
+    @cached_property
+    def face_normals(self) -> FloatArray:
+        """(n_faces, 3) unit normals by the right-hand rule; zero vectors for degenerate faces."""
+        length = 2.0 * self.face_areas[:, None]
+        return _read_only(np.divide(self.face_vectors, length, out=np.zeros((self.n_faces, 3)), where=length > 0))
+
+    @cached_property
+    def face_centroids(self) -> FloatArray:
+        """(n_faces, 3) mean of the three corners, metres."""
+        return _read_only(self.vertices[self.faces].mean(axis=1))
+
+
+def _read_only(array: FloatArray) -> FloatArray:
+    array.flags.writeable = False
+    return array
+
+
+def _number_array(name: str, value: Any) -> npt.NDArray[Any]:
+    array = np.asarray(value)
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} must be an array of numbers, got {type(value).__name__} of dtype {array.dtype}")
+    return array
+
+
+def _color_array(value: Any, n_vertices: int) -> npt.NDArray[np.uint8]:
+    colors = _number_array("vertex_colors", value)
+    if colors.ndim != 2 or colors.shape[0] != n_vertices or colors.shape[1] not in (3, 4):
+        raise MeshError(f"vertex_colors must have shape ({n_vertices}, 3), got {colors.shape}")
+    if colors.dtype.kind == "f":
+        if not np.isfinite(colors).all() or colors.min(initial=0) < 0 or colors.max(initial=0) > 1:
+            raise MeshError("vertex_colors as floats must lie in [0, 1]; or give uint8 in 0..255")
+        colors = np.round(255 * colors)
+    elif colors.min(initial=0) < 0 or colors.max(initial=0) > 255:
+        raise MeshError("vertex_colors must lie in 0..255")
+    out = np.array(colors[:, :3], dtype=np.uint8, order="C")
+    out.flags.writeable = False
+    return out
+
+
+# --- what is next to what -------------------------------------------------------------------------
+
+
+def face_adjacency(mesh: Mesh) -> IntArray:
+    """Pairs of faces that share an edge.
+
+    Vertices at exactly the same position count as one, so a mesh whose triangles carry corners of their
+    own (STL, texture seams) is as connected as it looks. An edge with more than two faces (non-manifold)
+    joins every two of them up to 8 faces; with more, each face only with the next in the order of the faces. Edges of length
+    zero join nothing.
+
+    Returns
+    -------
+    pairs : (n_pairs, 2) int32
+        Each pair once, ``pairs[:, 0] < pairs[:, 1]``, in lexicographic order.
+    """
+    corners = weld(mesh)[mesh.faces]
+    n = mesh.n_faces
+    start, end = corners, np.roll(corners, -1, axis=1)
+    low, high = np.minimum(start, end).ravel().astype(np.int64), np.maximum(start, end).ravel().astype(np.int64)
+    key = low * mesh.n_vertices + high
+    face = np.repeat(np.arange(n, dtype=np.int32), 3)
+    keep = low != high
+    if not keep.all():
+        key, face = key[keep], face[keep]
+    order = np.argsort(key)
+    key, face = key[order], face[order]
+    run_start = np.concatenate([[True], key[1:] != key[:-1]])
+    run_length = np.diff(np.append(np.flatnonzero(run_start), len(key)))
+    if run_length.max(initial=0) > MAX_FAN:  # chains follow the order of the faces
+        order = np.lexsort((face, key))
+        key, face = key[order], face[order]
+    found = []
+    for gap in range(1, min(MAX_FAN, run_length.max(initial=1))):
+        same = key[gap:] == key[:-gap]
+        if gap > 1:
+            same &= np.repeat(run_length <= MAX_FAN, run_length)[gap:]
+        found.append(np.stack([face[:-gap][same], face[gap:][same]], axis=1))
+    pairs = np.concatenate(found) if found else np.empty((0, 2), np.int32)
+    pairs = np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1)
+    code = np.sort(pairs[:, 0].astype(np.int64) * n + pairs[:, 1])
+    code = code[np.concatenate([[True], code[1:] != code[:-1]])] if len(code) else code
+    return np.stack([code // n, code % n], axis=1).astype(np.int32)
+
+
+def weld(mesh: Mesh) -> IntArray:
+    """(n_vertices,) int32: for each vertex the first vertex at exactly the same position."""
+    bits = (mesh.vertices + 0.0).view(np.uint64)  # + 0.0 makes -0.0 and 0.0 one position
+    mix = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
+    with np.errstate(over="ignore"):
+        hashed = (bits ^ (bits >> np.uint64(29))) * mix
+        code = hashed[:, 0] ^ (hashed[:, 1] << np.uint64(1)) ^ (hashed[:, 2] >> np.uint64(1))
+    order = np.argsort(code, kind="stable")
+    same_code = code[order][1:] == code[order][:-1]
+    out = np.arange(mesh.n_vertices, dtype=np.int32)
+    if not same_code.any():
+        return out
+    same_place = (mesh.vertices[order[1:]] == mesh.vertices[order[:-1]]).all(axis=1)
+    if not np.array_equal(same_code, same_place):  # two places, one hash: compare the positions themselves
+        order = np.lexsort((np.arange(mesh.n_vertices), *mesh.vertices.T))
+        same_place = (mesh.vertices[order[1:]] == mesh.vertices[order[:-1]]).all(axis=1)
+    first = np.flatnonzero(np.concatenate([[True], ~same_place]))
+    group = np.cumsum(np.concatenate([[True], ~same_place])) - 1
+    out[order] = order[first][group]
+    return out
+
+
+def connected_components(n_items: int, pairs: IntArray) -> tuple[int, IntArray]:
+    """Components of an undirected graph.
+
+    Parameters
+    ----------
+    n_items : int
+        Number of nodes; nodes without a pair are components of their own.
+    pairs : (n_pairs, 2) int
+        Edges.
+
+    Returns
+    -------
+    n_components : int
+    component : (n_items,) int32
+        Component of each node, numbered by the smallest node in it.
+    """
+    ones = np.ones(len(pairs), dtype=np.int8)
+    graph = sparse.coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(n_items, n_items))
+    count, component = csgraph.connected_components(graph, directed=False)
+    return int(count), component.astype(np.int32)
+
+
+# --- reading --------------------------------------------------------------------------------------
+
+
+def load_mesh(source: str | os.PathLike[str] | tuple[Any, Any] | Any) -> Mesh:
+    """Read a mesh from a file, a trimesh or arrays.
+
+    Parameters
+    ----------
+    source : path, trimesh.Trimesh, Mesh, or (vertices, faces)
+        Files: PLY, OBJ, GLB, glTF, STL, OFF. Polygons are cut into triangles; the parts of a scene are
+        put together with their transforms. Faces keep the order of the file, duplicates included.
+
+    Returns
+    -------
+    Mesh
+
+    Raises
+    ------
+    FileNotFoundError
+        No such file.
+    MeshError
+        A suffix that we don't read, a damaged or truncated file, or geometry that `Mesh` refuses.
+    TypeError
+        Something that is not one of the above.
+    """
+    if isinstance(source, Mesh):
+        return source
+    if isinstance(source, (str, os.PathLike)):
+        return _load_file(Path(source))
+    if isinstance(source, tuple):
+        if len(source) != 2:
+            raise TypeError(f"mesh as a tuple must be (vertices, faces), got {len(source)} entries")
+        return Mesh(*source)
+    if hasattr(source, "vertices") and hasattr(source, "faces"):
+        return _from_trimesh(source)
+    raise TypeError(
+        "mesh must be a path, a trimesh.Trimesh, a scenewidget.Mesh or (vertices, faces), "
+        f"got {type(source).__name__}"
+    )
+
+
+def _load_file(path: Path) -> Mesh:
+    import trimesh  # 0.3 s to import: only when a file is read
+
+    if not path.exists():
+        raise FileNotFoundError(f"mesh file {str(path)!r} does not exist (looked in {str(Path.cwd())!r})")
+    if path.is_dir():
+        raise MeshError(f"{str(path)!r} is a folder, not a mesh file")
+    if path.suffix.lower() not in SUFFIXES:
+        raise MeshError(f"can't read {path.name!r}: suffix must be one of {', '.join(SUFFIXES)}")
+    if path.stat().st_size == 0:
+        raise MeshError(f"{path.name!r} is empty")
+    declared = _ply_face_count(path) if path.suffix.lower() == ".ply" else None
+    try:
+        loaded = trimesh.load(path, process=False, maintain_order=True)
+        if isinstance(loaded, trimesh.Scene):
+            loaded = loaded.to_mesh()
+    except Exception as error:  # trimesh raises whatever its parser stumbles over
+        raise MeshError(
+            f"{path.name!r} is damaged, truncated or not a {path.suffix} file "
+            f"({type(error).__name__}: {error})"
+        ) from error
+    if not hasattr(loaded, "faces") or len(loaded.faces) == 0:
+        raise MeshError(f"{path.name!r} holds no triangles, only points or curves; a surface mesh is needed")
+    if declared is not None and len(loaded.faces) < declared:
+        raise MeshError(
+            f"{path.name!r} is truncated: its header promises {declared} faces, {len(loaded.faces)} could be read"
+        )
+    return _from_trimesh(loaded)
+
+
+def _from_trimesh(loaded: Any) -> Mesh:
+    colors = None
+    visual = getattr(loaded, "visual", None)
+    if visual is not None and getattr(visual, "defined", False):
+        if visual.kind == "texture":
+            visual = visual.to_color()
+        if visual.kind == "vertex":
+            colors = np.asarray(visual.vertex_colors)[:, :3]
+    return Mesh(loaded.vertices, loaded.faces, colors)
+
+
+def _ply_face_count(path: Path) -> int | None:
+    """Faces that a PLY header promises; checks the header, so that no forged count allocates memory."""
+    with path.open("rb") as file:
+        head = file.read(65_536)
+    if not head.startswith(b"ply"):
+        raise MeshError(f"{path.name!r} does not start with 'ply': it is not a PLY file, or damaged")
+    end = head.find(b"end_header")
+    if end < 0:
+        raise MeshError(f"{path.name!r} is truncated: its PLY header has no end")
+    room = path.stat().st_size - end
+    count = None
+    for line in head[:end].decode("ascii", "replace").splitlines():
+        words = line.split()
+        if len(words) == 3 and words[0] == "element":
+            if not words[2].isdigit() or int(words[2]) > room:
+                raise MeshError(
+                    f"{path.name!r} is damaged or truncated: its header promises {words[2]} of element "
+                    f"{words[1]!r}, but only {room} bytes follow"
+                )
+            if words[1] == "face":
+                count = int(words[2])
+    return count

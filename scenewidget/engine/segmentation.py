@@ -1,0 +1,237 @@
+"""The answer: a label, a confidence and three levels of parts for every face of the mesh as loaded.
+
+Goes in: labels per item and the map from raw faces to items. Comes out: a read-only `Segmentation`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+from scenewidget.engine.moments import face_moments, moment_origin
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from scenewidget.engine.items import Items
+
+__all__ = ["Level", "Segmentation", "order_by_area"]
+
+Level = Literal["dihedral", "base", "final"]
+LEVELS: tuple[Level, ...] = ("dihedral", "base", "final")
+
+
+@dataclass(frozen=True, eq=False)
+class Segmentation:
+    """A partition of a mesh into segments, with what is known about how it came about.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh as loaded; every array per face is about its faces.
+    labels : (n_faces,) int32
+        Segment of each face, 0 the largest by area, -1 unlabeled. Any integers are accepted and
+        renumbered by `from_labels`; the constructor wants them dense already.
+    confidence : (n_faces,) float32, optional
+        How much the ensemble agrees with the label, 0 to 1; 1 where there was no ensemble, 0 where
+        unlabeled.
+    levels : mapping of level to (n_faces,) int32
+        Part ids of the recommendation levels "dihedral" and "base" (thesis 3.6); -1 unlabeled.
+    names : sequence of str
+        Name of each segment; "" where it has none.
+    items : Items, optional
+        What was clustered.
+    item_labels : (n_items,) int32, optional
+        Segment of each item.
+    face_map : (n_faces,) int32, optional
+        Item of each face, -1 where the face was dropped.
+    simplified : Mesh, optional
+        The simplified mesh, if its faces were the items.
+    timings : mapping of stage to seconds
+    report : mapping of str to anything
+        What the user should know: faces dropped and why, items reached, orientation, warnings.
+    """
+
+    mesh: Mesh
+    labels: IntArray
+    confidence: FloatArray | None = None
+    levels: Mapping[str, IntArray] = field(default_factory=dict)
+    names: Sequence[str] = ()
+    items: Items | None = None
+    item_labels: IntArray | None = None
+    face_map: IntArray | None = None
+    simplified: Mesh | None = None
+    timings: Mapping[str, float] = field(default_factory=dict)
+    report: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        n = self.mesh.n_faces
+        labels = _face_array("labels", self.labels, n, np.int32)
+        lowest, highest = int(labels.min()), int(labels.max())
+        present = np.zeros(highest + 1, dtype=bool)
+        present[labels[labels >= 0]] = True
+        if lowest < -1 or not present.all():
+            raise ValueError(
+                "labels must be -1 or 0, 1, 2, … without gaps; Segmentation.from_labels(mesh, labels) renumbers"
+            )
+        confidence = np.where(labels >= 0, 1.0, 0.0) if self.confidence is None else self.confidence
+        confidence = _face_array("confidence", confidence, n, np.float32)
+        levels = {}
+        for name, parts in self.levels.items():
+            if name not in LEVELS:
+                raise ValueError(f"levels has a key {name!r}; it must be one of {', '.join(map(repr, LEVELS))}")
+            levels[name] = _face_array(f"levels[{name!r}]", parts, n, np.int32)
+        names = tuple(self.names) or ("",) * (highest + 1)
+        if len(names) != highest + 1:
+            raise ValueError(f"names must have one entry a segment: {highest + 1}, got {len(names)}")
+        for key, value in (
+            ("labels", labels),
+            ("confidence", confidence),
+            ("levels", MappingProxyType(levels)),
+            ("names", names),
+            ("timings", MappingProxyType(dict(self.timings))),
+            ("report", MappingProxyType(dict(self.report))),
+        ):
+            object.__setattr__(self, key, value)
+
+    @classmethod
+    def from_labels(
+        cls,
+        mesh: Mesh,
+        labels: IntArray | Sequence[int],
+        *,
+        names: Sequence[str] = (),
+        confidence: FloatArray | None = None,
+    ) -> Segmentation:
+        """A segmentation from any integer labels, renumbered so that 0 is the largest by area.
+
+        Parameters
+        ----------
+        mesh : Mesh
+        labels : (n_faces,) int
+            Any numbering; negative means unlabeled.
+        names : sequence of str, optional
+            Name of each label as passed in: ``names[labels[f]]`` is the name of face f's segment.
+        confidence : (n_faces,) float, optional
+
+        Raises
+        ------
+        ValueError
+            A wrong length, or a label that ``names`` does not reach.
+        """
+        given = _face_array("labels", np.asarray(labels), mesh.n_faces, np.int64)
+        highest = int(given.max(initial=-1))
+        if names and highest >= len(names):
+            raise ValueError(f"labels go up to {highest}, but names has only {len(names)} entries")
+        dense, kept = order_by_area(given, mesh.face_areas)
+        kept_names = tuple(str(names[label]) for label in kept) if names else ()
+        return cls(mesh, dense, confidence, names=kept_names)
+
+    def __repr__(self) -> str:
+        return f"Segmentation({self.mesh.n_faces} faces, {self.n_segments} segments, {self.coverage:.1%} labeled)"
+
+    @property
+    def n_segments(self) -> int:
+        """Number of segments, unlabeled faces not counted."""
+        return len(self.names)
+
+    @property
+    def coverage(self) -> float:
+        """Share of the faces that carry a label."""
+        return float(np.mean(self.labels >= 0))
+
+    def level(self, level: Level) -> IntArray:
+        """(n_faces,) int32 part ids of a recommendation level, -1 unlabeled (thesis 3.6).
+
+        Raises
+        ------
+        ValueError
+            A level that does not exist, or that this segmentation was made without.
+        """
+        if level == "final":
+            return self.labels
+        if level not in LEVELS:
+            raise ValueError(f"level must be one of {', '.join(map(repr, LEVELS))}, got {level!r}")
+        if level not in self.levels:
+            raise ValueError(
+                f"this segmentation has no level {level!r}: it was not made by segment(); use level='final'"
+            )
+        return self.levels[level]
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row a segment: name, faces, area (m²), centroid (m), normal, flatness, confidence.
+
+        The centroid and the area-weighted mean normal are tuples of three; flatness is λ2/λ0 of the
+        scatter matrix, 0 for a plane; confidence is the mean over the area.
+        """
+        import pandas as pd
+
+        n, labels, mesh = self.n_segments, self.labels, self.mesh
+        moments = face_moments(mesh).gather(labels, n)
+        keep = labels >= 0
+        inside = labels[keep]
+        normal = np.stack([np.bincount(inside, v[keep], n) for v in mesh.face_vectors.T], axis=1)
+        length = np.linalg.norm(normal, axis=1, keepdims=True)
+        normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
+        centroid = moments.centroid + moment_origin(mesh)
+        weighted = np.bincount(inside, (mesh.face_areas * self.confidence)[keep], n)
+        confidence = np.divide(weighted, moments.area, out=np.zeros(n), where=moments.area > 0)
+        return pd.DataFrame(
+            {
+                "name": list(self.names),
+                "faces": np.bincount(inside, minlength=n),
+                "area": moments.area,
+                "centroid": [tuple(row) for row in centroid.tolist()],
+                "normal": [tuple(row) for row in normal.tolist()],
+                "flatness": moments.flatness(),
+                "confidence": confidence,
+            },
+            index=pd.RangeIndex(n, name="segment"),
+        )
+
+
+def order_by_area(labels: IntArray, areas: FloatArray) -> tuple[IntArray, IntArray]:
+    """Renumber labels densely, the largest area first; ties keep the order of first appearance.
+
+    Parameters
+    ----------
+    labels : (n,) int
+        Any numbering, negative for unlabeled.
+    areas : (n,) float64
+
+    Returns
+    -------
+    dense : (n,) int32
+        -1, 0, 1, 2, …
+    kept : (n_segments,) int64
+        The old label behind each new one.
+    """
+    out = np.full(len(labels), -1, dtype=np.int32)
+    keep = labels >= 0
+    if not keep.any():
+        return out, np.empty(0, dtype=np.int64)
+    old, first, inverse = np.unique(labels[keep], return_index=True, return_inverse=True)
+    order = np.lexsort((first, -np.bincount(inverse, areas[keep])))
+    rank = np.empty(len(old), dtype=np.int32)
+    rank[order] = np.arange(len(old), dtype=np.int32)
+    out[keep] = rank[inverse]
+    return out, old[order].astype(np.int64)
+
+
+def _face_array(name: str, value: Any, n_faces: int, dtype: Any) -> Any:
+    array = np.asarray(value)
+    if array.dtype.kind not in "iufb":
+        raise TypeError(f"{name} must be an array of numbers, got dtype {array.dtype}")
+    if array.shape != (n_faces,):
+        raise ValueError(f"{name} must have one entry a face of the mesh: ({n_faces},), got {array.shape}")
+    if np.dtype(dtype).kind == "i" and array.dtype.kind == "f":
+        raise TypeError(f"{name} must be whole numbers, got dtype {array.dtype}")
+    if array.dtype != dtype or array.flags.writeable:
+        array = np.array(array, dtype=dtype)
+        array.flags.writeable = False
+    return array
