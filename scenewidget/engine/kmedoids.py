@@ -1,0 +1,259 @@
+"""k-medoids on a matrix of distances.
+
+Goes in: distances between items and k. Come out: labels and medoids. Park and Jun (2009), Expert Systems
+with Applications 36(2); thesis 3.4, Algorithm 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numba
+import numpy as np
+
+from scenewidget.engine.mesh import IntArray
+
+__all__ = ["BACKENDS", "INITS", "KMedoidsResult", "alternate", "initial_medoids", "k_medoids"]
+
+Init = Literal["random", "systematic", "sample", "outmost", "k-medoids++"]
+INITS: tuple[Init, ...] = ("random", "systematic", "sample", "outmost", "k-medoids++")
+BACKENDS = ("numpy", "sklearn-extra")
+MAX_ITER = 100
+
+
+@dataclass(frozen=True, eq=False)
+class KMedoidsResult:
+    """One clustering.
+
+    Attributes
+    ----------
+    labels : (n,) int32
+        Position in ``medoids`` of each item's nearest medoid; of equally near ones the first. A medoid
+        always carries its own label. -1 where no medoid can be reached.
+    medoids : (k,) int32
+        Items that stand for the clusters.
+    cost : float
+        Sum of the distances to the medoids, over the items that reach one.
+    n_iter : int
+        Updates of the medoids until the cost no longer fell.
+    """
+
+    labels: IntArray
+    medoids: IntArray
+    cost: float
+    n_iter: int
+
+
+def k_medoids(
+    D: np.ndarray[Any, np.dtype[np.floating[Any]]],
+    k: int,
+    *,
+    init: Init = "random",
+    backend: Literal["numpy", "sklearn-extra"] = "numpy",
+    seed: int | np.random.SeedSequence = 0,
+) -> KMedoidsResult:
+    """Cluster items around k of them: assign to the nearest medoid, move each medoid to the most central
+    member, until the cost no longer falls.
+
+    Parameters
+    ----------
+    D : (n, n) float
+        Distances; ``inf`` where unconnected. Sums are taken in float64 whatever its dtype.
+    k : int
+        Clusters, 1 to n.
+    init : str
+        The four ways of Park and Jun, section 3.4: "random" (Method 1, the thesis' choice), "systematic"
+        (every n/k-th item by ascending total distance), "sample" (the medoids of a random 10 %), "outmost"
+        (the k items farthest from the most central one); and "k-medoids++" (each next one drawn with
+        probability proportional to its squared distance to the chosen ones; Arthur and Vassilvitskii 2007).
+    backend : str
+        "numpy" is ours; "sklearn-extra" runs ``sklearn_extra.cluster.KMedoids(method="alternate")`` from
+        the same initial medoids.
+    seed : int or SeedSequence
+
+    Returns
+    -------
+    KMedoidsResult
+
+    Raises
+    ------
+    ValueError
+        D isn't square or holds NaN or negative values, or k is out of range.
+    ImportError
+        The backend isn't installed.
+    """
+    D = _checked_distances(D)
+    n = len(D)
+    if not isinstance(k, (int, np.integer)) or isinstance(k, bool):
+        raise TypeError(f"k must be a whole number, got {k!r}")
+    if not 1 <= k <= n:
+        raise ValueError(f"k must lie in 1..{n} (the number of items), got {k}")
+    if backend not in BACKENDS:
+        raise ValueError(f"backend must be one of {', '.join(map(repr, BACKENDS))}, got {backend!r}")
+    medoids = initial_medoids(D, int(k), init=init, seed=seed)
+    if backend == "sklearn-extra":
+        return _sklearn_extra(D, medoids)
+    return alternate(D, medoids)
+
+
+def alternate(D: np.ndarray[Any, np.dtype[np.floating[Any]]], medoids: IntArray) -> KMedoidsResult:
+    """Algorithm 2 from given medoids, without checks: the inner loop of an ensemble, which holds no lock."""
+    labels, medoids, cost, n_iter = _alternate(D, medoids, MAX_ITER)
+    return KMedoidsResult(labels, medoids, float(cost), int(n_iter))
+
+
+def initial_medoids(
+    D: np.ndarray[Any, np.dtype[np.floating[Any]]],
+    k: int,
+    *,
+    init: Init = "random",
+    seed: int | np.random.SeedSequence = 0,
+) -> IntArray:
+    """(k,) int32 distinct items to start from; see `k_medoids` for the ways."""
+    rng = np.random.default_rng(seed)
+    n = len(D)
+    if init == "random":
+        return rng.choice(n, size=k, replace=False).astype(np.int32)
+    if init == "systematic":
+        by_total = np.argsort(_finite_totals(D), kind="stable")
+        return by_total[(np.arange(k) * n) // k].astype(np.int32)
+    if init == "sample":
+        sample = np.sort(rng.choice(n, size=min(n, max(k, -(-n // 10))), replace=False))
+        start = rng.choice(len(sample), size=k, replace=False).astype(np.int32)
+        inner = np.ascontiguousarray(D[np.ix_(sample, sample)])
+        return sample[_alternate(inner, start, MAX_ITER)[1]].astype(np.int32)
+    if init == "outmost":
+        center = int(np.argmin(_finite_totals(D)))
+        return np.argsort(-D[center], kind="stable")[:k].astype(np.int32)
+    if init == "k-medoids++":
+        chosen = [int(rng.integers(n))]
+        nearest = D[chosen[0]].astype(np.float64)
+        for _ in range(k - 1):
+            unreached = np.isinf(nearest)
+            weight = unreached.astype(np.float64) if unreached.any() else nearest**2
+            weight[chosen] = 0.0
+            if not weight.sum() > 0:
+                weight = np.ones(n)
+                weight[chosen] = 0.0
+            chosen.append(int(rng.choice(n, p=weight / weight.sum())))
+            nearest = np.minimum(nearest, D[chosen[-1]])
+        return np.array(chosen, dtype=np.int32)
+    raise ValueError(f"init must be one of {', '.join(map(repr, INITS))}, got {init!r}")
+
+
+def _finite_totals(D: Any) -> Any:
+    """Sum of the distances to all, unreachable ones counted as twice the longest."""
+    finite = np.isfinite(D)
+    if finite.all():
+        return D.sum(axis=1, dtype=np.float64)
+    return np.where(finite, D, 2.0 * D[finite].max(initial=1.0)).sum(axis=1, dtype=np.float64)
+
+
+def _checked_distances(D: Any) -> Any:
+    D = np.asarray(D)
+    if D.dtype not in (np.float32, np.float64):
+        D = D.astype(np.float64)
+    if D.ndim != 2 or D.shape[0] != D.shape[1] or D.shape[0] == 0:
+        raise ValueError(f"D must be a square matrix of distances, got shape {D.shape}")
+    if not D.min() >= 0:  # NaN fails too
+        raise ValueError("D must hold distances: no negative values and no NaN (inf means unconnected)")
+    return np.ascontiguousarray(D)
+
+
+def _sklearn_extra(D: Any, medoids: IntArray) -> KMedoidsResult:
+    try:
+        from sklearn_extra.cluster import KMedoids
+    except (ImportError, ValueError) as error:  # ValueError: its 0.3.0 wheel was built for numpy 1
+        raise ImportError(
+            'backend="sklearn-extra" needs scikit-learn-extra, whose wheels want Python 3.11 and numpy < 2: '
+            'pip install "scikit-learn-extra==0.3.0" "numpy<2", or use backend="numpy", the same algorithm'
+        ) from error
+
+    class FromMedoids(KMedoids):  # type: ignore[misc]
+        def _initialize_medoids(self, *_: Any, **__: Any) -> IntArray:
+            return medoids.astype(np.int64)
+
+    model = FromMedoids(n_clusters=len(medoids), metric="precomputed", method="alternate", max_iter=MAX_ITER)
+    model.fit(D)
+    found = np.asarray(model.medoid_indices_, dtype=np.int32)
+    labels = np.asarray(model.labels_, dtype=np.int32)
+    cost = float(D[np.arange(len(D)), found[labels]].sum(dtype=np.float64))
+    return KMedoidsResult(labels, found, cost, int(model.n_iter_))
+
+
+@numba.njit(cache=True, nogil=True)
+def _assign(D, medoids, labels):  # type: ignore[no-untyped-def]
+    """Label of the nearest medoid and the cost; ties go to the first medoid, medoids to themselves."""
+    n, k = len(D), len(medoids)
+    nearest = D[medoids[0]].copy()
+    labels[:] = 0
+    for c in range(1, k):
+        row = D[medoids[c]]
+        for i in range(n):
+            if row[i] < nearest[i]:
+                nearest[i] = row[i]
+                labels[i] = c
+    for c in range(k):
+        labels[medoids[c]] = c
+    cost = 0.0
+    for i in range(n):
+        if np.isinf(nearest[i]):
+            labels[i] = -1
+        else:
+            cost += np.float64(D[medoids[labels[i]], i])
+    return cost
+
+
+@numba.njit(cache=True, nogil=True)
+def _update(D, medoids, labels):  # type: ignore[no-untyped-def]
+    """Move each medoid to the member with the least sum of distances, if that is strictly less."""
+    n, k = len(D), len(medoids)
+    start = np.zeros(k + 1, dtype=np.int64)
+    for i in range(n):
+        if labels[i] >= 0:
+            start[labels[i] + 1] += 1
+    for c in range(k):
+        start[c + 1] += start[c]
+    members = np.empty(start[k], dtype=np.int32)
+    fill = start[:-1].copy()
+    for i in range(n):
+        if labels[i] >= 0:
+            members[fill[labels[i]]] = i
+            fill[labels[i]] += 1
+    for c in range(k):
+        group = members[start[c] : start[c + 1]]
+        own = D[medoids[c]]
+        best = 0.0
+        for j in group:
+            best += np.float64(own[j])
+        for i in group:
+            row = D[i]
+            total = 0.0
+            for block in range(0, len(group), 32):  # sums only grow: stop once the best is passed
+                for j in group[block : block + 32]:
+                    total += np.float64(row[j])
+                if total >= best:
+                    break
+            if total < best:
+                best = total
+                medoids[c] = i
+
+
+@numba.njit(cache=True, nogil=True)
+def _alternate(D, medoids, max_iter):  # type: ignore[no-untyped-def]
+    medoids = medoids.copy()
+    labels = np.empty(len(D), dtype=np.int32)
+    cost = _assign(D, medoids, labels)
+    n_iter = 0
+    trial_labels = labels.copy()
+    while n_iter < max_iter:
+        trial = medoids.copy()
+        _update(D, trial, labels)
+        trial_cost = _assign(D, trial, trial_labels)
+        n_iter += 1
+        if not trial_cost < cost:
+            break
+        cost = trial_cost
+        medoids[:], labels[:] = trial, trial_labels
+    return labels, medoids, cost, n_iter
