@@ -1,0 +1,1 @@
+"""The notebook widgets: a thin skin over the engine."""

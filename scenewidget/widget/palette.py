@@ -1,0 +1,175 @@
+"""Colours of segments: neighbours look different, and an edit leaves the other colours alone.
+
+Goes in: a label per face, what touches what, the colours before. Comes out: a row of a fixed palette per
+segment. Differences are measured in Oklab (Ottosson, 2020), and as people with protanopia and deuteranopia
+see them (Machado, Oliveira and Fernandes, 2009, IEEE TVCG 15(6)), whichever is smallest.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import numpy.typing as npt
+
+from scenewidget.engine.mesh import FloatArray, IntArray
+
+__all__ = ["adjacent_segments", "choose_colors", "inherited_colors", "palette"]
+
+UNLABELLED = -1
+
+# lightness and chroma of the rings of the palette, calm ones first; hues are staggered from ring to ring
+RINGS = ((0.80, 0.085), (0.70, 0.125), (0.60, 0.135), (0.87, 0.095), (0.51, 0.12))
+N_HUES = 13
+
+PROTANOPIA = np.array(
+    [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]
+)
+DEUTERANOPIA = np.array(
+    [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
+)
+
+
+@cache
+def palette() -> npt.NDArray[np.uint8]:
+    """(n_colors, 3) uint8 sRGB."""
+    linear = _linear_palette()
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return np.round(255 * encoded).astype(np.uint8)
+
+
+def choose_colors(
+    n_segments: int, neighbours: IntArray, shares: FloatArray, known: IntArray | None = None
+) -> IntArray:
+    """A row of the palette for each segment, (n_segments,).
+
+    Goes through the segments from large to small and takes the colour that differs most from those of the
+    neighbours and is used least; large segments prefer calm colours.
+
+    Parameters
+    ----------
+    neighbours : (n_pairs, 2) int
+        Segments that touch, each pair once or twice.
+    shares : (n_segments,) float
+        Part of the faces in each segment, 0 to 1.
+    known : (n_segments,) int, optional
+        Colours that are settled; -1 = choose.
+    """
+    difference, chroma = _differences(), _chroma()
+    chosen = np.full(n_segments, -1) if known is None else known.copy()
+    uses = np.bincount(chosen[chosen >= 0], minlength=len(chroma)).astype(float)
+    start, others = _neighbour_lists(neighbours, n_segments)
+    for segment in np.argsort(-shares, kind="stable"):
+        if chosen[segment] >= 0:
+            continue
+        around = chosen[others[start[segment] : start[segment + 1]]]
+        around = around[around >= 0]
+        contrast = difference[around].min(axis=0) if len(around) else np.full(len(chroma), difference.max())
+        is_calm_enough = np.minimum(contrast, 0.22)  # beyond this, more contrast makes nothing clearer
+        color = int(np.argmax(is_calm_enough - 0.05 * uses - 2.0 * shares[segment] * chroma))
+        chosen[segment] = color
+        uses[color] += 1
+    return chosen
+
+
+def inherited_colors(
+    labels: IntArray, n_segments: int, before: IntArray, colors_before: IntArray
+) -> IntArray:
+    """Colours that segments keep from an earlier labelling, (n_segments,); -1 for new ones.
+
+    Largest overlap first, each old colour goes to one segment at most, so a merged segment keeps the colour
+    of its larger part and the larger part of a split one keeps the colour of the whole.
+    """
+    colors = np.full(n_segments, -1)
+    is_both = (labels >= 0) & (before >= 0)
+    n_before = len(colors_before)
+    codes = labels[is_both].astype(np.int64) * n_before + before[is_both]
+    pairs, overlap = np.unique(codes, return_counts=True)
+    is_taken = np.zeros(n_before, np.bool_)
+    for pair in pairs[np.argsort(-overlap, kind="stable")]:
+        segment, old = divmod(int(pair), n_before)
+        if colors[segment] < 0 and not is_taken[old]:
+            colors[segment] = colors_before[old]
+            is_taken[old] = True
+    return colors
+
+
+def adjacent_segments(faces: IntArray, labels: IntArray, n_vertices: int) -> IntArray:
+    """Pairs of segments that share a vertex, (n_pairs, 2); where many meet, not every pair of them."""
+    at_vertex = np.full(n_vertices, UNLABELLED)
+    for corner in range(3):
+        at_vertex[faces[:, corner]] = labels
+    n_segments = int(labels.max(initial=0)) + 1
+    codes = []
+    for corner in range(3):
+        other = at_vertex[faces[:, corner]]
+        is_border = (other != labels) & (other >= 0) & (labels >= 0)
+        codes.append(other[is_border].astype(np.int64) * n_segments + labels[is_border])
+    return np.stack(np.divmod(np.unique(np.concatenate(codes)), n_segments), axis=1)
+
+
+def _neighbour_lists(pairs: IntArray, n_segments: int) -> tuple[IntArray, IntArray]:
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    both = both[np.argsort(both[:, 0], kind="stable")]
+    return np.searchsorted(both[:, 0], np.arange(n_segments + 1)), both[:, 1]
+
+
+@cache
+def _differences() -> FloatArray:
+    """(n_colors, n_colors) smallest Oklab distance over normal and colour-blind sight."""
+    linear = _linear_palette()
+    seen = [linear, np.clip(linear @ PROTANOPIA.T, 0, 1), np.clip(linear @ DEUTERANOPIA.T, 0, 1)]
+    labs = [_oklab(colors) for colors in seen]
+    differences: FloatArray = np.min([np.linalg.norm(lab[:, None] - lab, axis=2) for lab in labs], axis=0)
+    return differences
+
+
+@cache
+def _chroma() -> FloatArray:
+    chroma: FloatArray = np.linalg.norm(_oklab(_linear_palette())[:, 1:], axis=1)
+    return chroma
+
+
+@cache
+def _linear_palette() -> FloatArray:
+    colors = []
+    for ring, (lightness, chroma) in enumerate(RINGS):
+        hue = 2 * np.pi * (np.arange(N_HUES) + 0.5 * ring + 0.2) / N_HUES
+        colors += [_inside_gamut(lightness, chroma, angle) for angle in hue]
+    return np.array(colors)
+
+
+def _inside_gamut(lightness: float, chroma: float, hue: float) -> FloatArray:
+    """Linear sRGB of an Oklch colour, with less chroma if the screen can't show it."""
+    while True:
+        linear = _linear_srgb(np.array([lightness, chroma * np.cos(hue), chroma * np.sin(hue)]))
+        if (linear > -1e-4).all() and (linear < 1 + 1e-4).all():
+            return np.clip(linear, 0, 1)
+        chroma *= 0.95
+
+
+def _linear_srgb(lab: FloatArray) -> FloatArray:
+    roots = lab @ np.linalg.inv(_LMS_TO_LAB).T
+    linear: FloatArray = roots**3 @ np.linalg.inv(_SRGB_TO_LMS).T
+    return linear
+
+
+def _oklab(linear: FloatArray) -> FloatArray:
+    lab: FloatArray = np.cbrt(linear @ _SRGB_TO_LMS.T) @ _LMS_TO_LAB.T
+    return lab
+
+
+_SRGB_TO_LMS = np.array(
+    [
+        [0.4122214708, 0.5363325363, 0.0514459929],
+        [0.2119034982, 0.6806995451, 0.1073969566],
+        [0.0883024619, 0.2817188376, 0.6299787005],
+    ]
+)
+_LMS_TO_LAB = np.array(
+    [
+        [0.2104542553, 0.7936177850, -0.0040720468],
+        [1.9779984951, -2.4285922050, 0.4505937099],
+        [0.0259040371, 0.7827717662, -0.8086757660],
+    ]
+)

@@ -1,0 +1,345 @@
+"""A mesh in a notebook cell: drawn, turned, pointed at and coloured in the browser.
+
+`SceneView` takes a `Mesh` and, later, labels per face; it knows nothing of how labels are made. It can be
+used alone (`SceneView(mesh)`) or inside a larger widget. Geometry crosses to the browser once; labels
+cross as *atoms*, the common refinement of all levels and segments, so that an edit sends one small table.
+
+State, synced both ways (observe or set any of them)
+----------------------------------------------------
+``color_by`` : ``"segments"``, ``"parts"`` (of ``level``), ``"scan"`` (vertex colours), ``"shaded"``, ``"values"``
+    What a face's colour tells. Starts as the scan; the first `set_partition` switches it to segments.
+``color_mix`` : 0 to 1
+    1 = those colours alone, 0 = only the scan below them.
+``level`` : name of a level
+    Whose parts blink under the cursor, and are coloured by ``"parts"``.
+``outlines`` : bool
+    Dark lines between segments (between parts if parts are coloured).
+``back_faces`` : bool
+    Draw faces seen from behind; off lets one look into a room from outside.
+``theme`` : ``"auto"``, ``"light"``, ``"dark"``
+    ``"auto"`` follows the host.
+``mode`` : ``"navigate"``, ``"edit"``
+    What a left drag does: orbit, or merge and split.
+``height`` : pixels
+``busy`` : bool
+    While True a slim progress bar, ``status`` and a Cancel button lie over the picture.
+``progress`` : 0 to 1, or -1
+    Length of the bar; -1 = unknown, the bar swings.
+``status`` : str
+    The stage while busy; a remark in the status line otherwise.
+``error`` : str
+    Shown as text in a panel that people can dismiss, which sets it to ``""``.
+
+State that Python alone sets: ``levels`` (names), ``n_segments``, ``segment_names``, ``revision``.
+
+Methods
+-------
+``set_partition(levels, segments, names=None)``, ``set_segments(segments, names=None)``,
+``clear_partition()``, ``set_values(values, ...)``, ``fit()``, ``look_from_above()``, ``reset()``;
+``segment_colors`` is the (n_segments, 3) uint8 table in use, for legends and lists.
+
+Messages from the browser, received with ``view.on_msg(lambda view, message, buffers: ...)``
+---------------------------------------------------------------------------------------------
+``{"kind": "cancel"}``
+    Cancel was pressed. The view goes on showing ``busy`` until Python sets it to False.
+
+Only in ``mode="edit"``; faces are those of the mesh as given, ``level`` a name out of ``levels``,
+``revision`` the number of the partition that the person was looking at (``view.revision``):
+
+``{"kind": "merge", "face": 12, "onto_face": 40, "level": "final", "revision": 3}``
+``{"kind": "split", "face": 12, "level": "final", "revision": 3}``
+``{"kind": "undo"}``, ``{"kind": "redo"}``
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import anywidget
+import numpy as np
+import numpy.typing as npt
+import traitlets
+
+from scenewidget.engine.mesh import IntArray, Mesh
+from scenewidget.widget.atoms import Atoms, common_refinement
+from scenewidget.widget.palette import adjacent_segments, choose_colors, inherited_colors, palette
+
+__all__ = ["SceneView"]
+
+STATIC = Path(__file__).parent.parent / "static"
+UNLABELLED = 0xFFFFFFFF  # -1 in the tables that cross to the browser
+
+
+class SceneView(anywidget.AnyWidget):
+    """Interactive picture of a mesh; see the module's docstring for its state and its messages.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        What to draw; it can't be exchanged later.
+    **options
+        Initial values of the state, such as ``height=600`` or ``color_by="shaded"``.
+    """
+
+    _esm = traitlets.Unicode().tag(sync=True)
+    _css = traitlets.Unicode().tag(sync=True)
+
+    color_by = traitlets.Enum(("segments", "parts", "scan", "shaded", "values"), "shaded").tag(sync=True)
+    color_mix = traitlets.Float(1.0, min=0.0, max=1.0).tag(sync=True)
+    level = traitlets.Unicode().tag(sync=True)
+    outlines = traitlets.Bool(True).tag(sync=True)
+    back_faces = traitlets.Bool(False).tag(sync=True)
+    theme = traitlets.Enum(("auto", "light", "dark"), "auto").tag(sync=True)
+    mode = traitlets.Enum(("navigate", "edit"), "navigate").tag(sync=True)
+    height = traitlets.Int(560, min=120).tag(sync=True)
+    busy = traitlets.Bool(False).tag(sync=True)
+    progress = traitlets.Float(0.0, min=-1.0, max=1.0).tag(sync=True)
+    status = traitlets.Unicode().tag(sync=True)
+    error = traitlets.Unicode().tag(sync=True)
+
+    levels = traitlets.List(traitlets.Unicode(), read_only=True).tag(sync=True)
+    n_segments = traitlets.Int(0, read_only=True).tag(sync=True)
+    revision = traitlets.Int(0, read_only=True).tag(sync=True)
+    segment_names = traitlets.Dict(read_only=True).tag(sync=True)
+    values_legend = traitlets.Dict(read_only=True).tag(sync=True)
+
+    # arrays; _headers says dtype and shape of each
+    _headers = traitlets.Dict().tag(sync=True)
+    _vertices = traitlets.Bytes().tag(sync=True)
+    _faces = traitlets.Bytes().tag(sync=True)
+    _vertex_colors = traitlets.Bytes().tag(sync=True)
+    _face_atom = traitlets.Bytes().tag(sync=True)
+    _atom_part = traitlets.Bytes().tag(sync=True)
+    _atom_segment = traitlets.Bytes().tag(sync=True)
+    _segment_colors = traitlets.Bytes().tag(sync=True)
+    _face_value = traitlets.Bytes().tag(sync=True)
+    _colormap = traitlets.Bytes().tag(sync=True)
+
+    def __init__(self, mesh: Mesh, **options: Any) -> None:
+        if not isinstance(mesh, Mesh):
+            raise TypeError(f"mesh must be a Mesh, got {type(mesh).__name__}; load_mesh(mesh) makes one")
+        unknown = sorted(set(options) - set(self.class_trait_names()))
+        if unknown:
+            raise TypeError(
+                f"SceneView has no option {unknown[0]!r}; there are: {', '.join(_option_names())}"
+            )
+        self.mesh = mesh
+        self._atoms: Atoms | None = None
+        self._levels: dict[str, IntArray] = {}
+        self._segments: IntArray | None = None
+        self._color_rows: IntArray = np.zeros(0, np.int64)
+        arrays = _geometry(mesh)
+        if mesh.vertex_colors is not None:
+            options.setdefault("color_by", "scan")
+        super().__init__(
+            _esm=_bundled("scene_view.js"),
+            _css=_bundled("scene_view.css"),
+            _headers={name: _header(array) for name, array in arrays.items()},
+            **{f"_{name}": array.tobytes() for name, array in arrays.items()},
+            **options,
+        )
+
+    def __repr__(self) -> str:
+        segments = f", {self.n_segments} segments" if self._segments is not None else ""
+        return f"SceneView({self.mesh.n_faces} faces{segments})"
+
+    def set_partition(
+        self, levels: Mapping[str, IntArray], segments: IntArray, names: Mapping[int, str] | None = None
+    ) -> None:
+        """Show segments and the recommendation levels that hovering goes through.
+
+        Colours stay with the faces: a segment keeps the colour of the earlier segment that it overlaps most.
+
+        Parameters
+        ----------
+        levels : mapping of name to (n_faces,) int
+            Part of each face at each level; -1 where there is none.
+        segments : (n_faces,) int
+            Segment of each face; -1 = unlabelled, drawn grey.
+        names : mapping of segment to str, optional
+            Shown beside the number of a segment that is pointed at.
+        """
+        checked = {name: self._checked(f"levels[{name!r}]", labels) for name, labels in levels.items()}
+        segments = self._checked("segments", segments)
+        atoms = common_refinement([*checked.values(), segments], self.mesh.n_faces)
+        self._levels, self._atoms = checked, atoms
+        parts = np.array([labels[atoms.first_face] for labels in checked.values()], np.int64)
+        with self.hold_sync():
+            self.set_trait("levels", list(checked))
+            self._put("face_atom", atoms.face_atom)
+            self._put("atom_part", _table(parts.reshape(len(checked), -1)))
+            if self.level not in checked:
+                self.level = "final" if "final" in checked else next(reversed(checked), "")
+            self._show_segments(segments, segments[atoms.first_face], names)
+            if self.color_by in ("scan", "shaded") and self.revision == 1:
+                self.color_by = "segments"
+
+    def set_segments(self, segments: IntArray, names: Mapping[int, str] | None = None) -> None:
+        """Show other segments over the same levels, as after an edit; sends one small table if it can.
+
+        It can't if a segment cuts through an atom: then everything is sent as by `set_partition`.
+        """
+        segments = self._checked("segments", segments)
+        table = None if self._atoms is None else self._atoms.table(segments)
+        if table is None:
+            self.set_partition(self._levels, segments, names)
+            return
+        with self.hold_sync():
+            self._show_segments(segments, table, names)
+
+    def clear_partition(self) -> None:
+        """Take segments and levels away; the scan itself stays."""
+        self._atoms, self._levels, self._segments = None, {}, None
+        with self.hold_sync():
+            for name in ("face_atom", "atom_part", "atom_segment", "segment_colors"):
+                self._put(name, np.zeros(0, np.uint32))
+            self.set_trait("levels", [])
+            self.set_trait("n_segments", 0)
+            self.set_trait("segment_names", {})
+            self.set_trait("revision", self.revision + 1)
+
+    @property
+    def segment_colors(self) -> npt.NDArray[np.uint8]:
+        """(n, 3) uint8 colour of each segment by its number."""
+        return palette()[self._color_rows]
+
+    def set_values(
+        self,
+        values: npt.ArrayLike,
+        *,
+        title: str = "",
+        colormap: str = "viridis",
+        low: float | None = None,
+        high: float | None = None,
+    ) -> None:
+        """Colour faces by a number each, with a legend, and switch ``color_by`` to it.
+
+        Parameters
+        ----------
+        values : (n_faces,) float
+            NaN is drawn grey.
+        title : str
+            What the number is, with its unit.
+        colormap : str
+            Name of a matplotlib colour map.
+        low, high : float, optional
+            Ends of the colour map; the smallest and the largest finite value by default.
+        """
+        numbers = np.asarray(values, np.float64)
+        if numbers.shape != (self.mesh.n_faces,):
+            raise ValueError(
+                f"values must have shape ({self.mesh.n_faces},), one a face, got {numbers.shape}"
+            )
+        finite = numbers[np.isfinite(numbers)]
+        low = float(finite.min(initial=math.inf) if low is None else low) if len(finite) else 0.0
+        high = float(finite.max(initial=-math.inf) if high is None else high) if len(finite) else 1.0
+        if low > high:
+            raise ValueError(f"low must not be above high, got {low:g} and {high:g}")
+        scaled = np.clip((numbers - low) / ((high - low) or 1.0), 0.0, 1.0)
+        with self.hold_sync():
+            self._put("face_value", np.where(np.isfinite(numbers), 1 + 65534 * scaled, 0).astype(np.uint16))
+            self._put("colormap", _colormap_table(colormap))
+            self.set_trait("values_legend", {"title": title, "low": low, "high": high})
+            self.color_by = "values"
+
+    def fit(self) -> None:
+        """Bring the whole scan into the picture, from where it is looked at now."""
+        self.send({"kind": "look", "from": "here"})
+
+    def look_from_above(self) -> None:
+        """Look straight down, like a floor plan."""
+        self.send({"kind": "look", "from": "above"})
+
+    def reset(self) -> None:
+        """Go back to the first view."""
+        self.send({"kind": "look", "from": "start"})
+
+    def _checked(self, name: str, labels: IntArray) -> IntArray:
+        array = np.asarray(labels)
+        if array.shape != (self.mesh.n_faces,):
+            raise ValueError(
+                f"{name} must have shape ({self.mesh.n_faces},), one label a face, got {array.shape}"
+            )
+        if array.dtype.kind not in "iu":
+            raise TypeError(f"{name} must hold whole numbers, got dtype {array.dtype}")
+        if array.min() < -1:
+            raise ValueError(f"{name} must hold -1 (unlabelled) and up, got {array.min()}")
+        if array.max() >= self.mesh.n_faces:
+            raise ValueError(
+                f"{name} must be below the number of faces, {self.mesh.n_faces}, got {array.max()}"
+            )
+        return array.astype(np.int32)
+
+    def _show_segments(self, segments: IntArray, table: IntArray, names: Mapping[int, str] | None) -> None:
+        n_rows = int(segments.max()) + 1
+        known = None
+        if self._segments is not None:
+            known = inherited_colors(segments, n_rows, self._segments, self._color_rows)
+        sizes = np.bincount(segments[segments >= 0], minlength=n_rows)
+        neighbours = adjacent_segments(self.mesh.faces, segments, self.mesh.n_vertices)
+        self._color_rows = choose_colors(n_rows, neighbours, sizes / self.mesh.n_faces, known)
+        self._segments = segments
+        self._put("atom_segment", _table(table))
+        self._put("segment_colors", self.segment_colors)
+        self.set_trait("n_segments", int(np.count_nonzero(sizes)))
+        self.set_trait("segment_names", {str(segment): str(name) for segment, name in (names or {}).items()})
+        self.set_trait("revision", self.revision + 1)
+
+    def _put(self, name: str, array: npt.NDArray[Any]) -> None:
+        self._headers = {**self._headers, name: _header(array)}
+        setattr(self, f"_{name}", array.tobytes())
+
+
+def _geometry(mesh: Mesh) -> dict[str, npt.NDArray[Any]]:
+    """Arrays of the mesh as the browser takes them.
+
+    Vertices are float32 around the middle of the faces: an origin far away, as in geographic coordinates,
+    would eat the precision.
+    """
+    is_used = np.zeros(mesh.n_vertices, np.bool_)
+    is_used[mesh.faces] = True
+    used = mesh.vertices[is_used]
+    middle = (used.min(axis=0) + used.max(axis=0)) / 2
+    vertices = np.where(is_used[:, None], mesh.vertices - middle, 0.0).astype(np.float32)
+    arrays: dict[str, npt.NDArray[Any]] = {"vertices": vertices, "faces": mesh.faces.astype(np.uint32)}
+    if mesh.vertex_colors is not None:
+        arrays["vertex_colors"] = mesh.vertex_colors
+    return arrays
+
+
+def _table(labels: IntArray) -> npt.NDArray[np.uint32]:
+    return np.where(labels < 0, UNLABELLED, labels).astype(np.uint32)
+
+
+def _header(array: npt.NDArray[Any]) -> dict[str, Any]:
+    return {"dtype": array.dtype.name, "shape": list(array.shape)}
+
+
+def _colormap_table(name: str) -> npt.NDArray[np.uint8]:
+    import matplotlib
+
+    if name not in matplotlib.colormaps:
+        raise ValueError(
+            f"colormap must be the name of a matplotlib colour map such as 'viridis', got {name!r}"
+        )
+    return np.round(255 * matplotlib.colormaps[name](np.linspace(0, 1, 256))[:, :3]).astype(np.uint8)
+
+
+def _option_names() -> list[str]:
+    own = (name for name, trait in SceneView.class_own_traits().items() if not trait.read_only)
+    return sorted(name for name in own if not name.startswith("_"))
+
+
+@cache
+def _bundled(name: str) -> str:
+    path = STATIC / name
+    if not path.is_file():
+        raise FileNotFoundError(
+            f"{path} is missing: the front end was not built. Install the package again, with "
+            "`pip install .` or `pip install -e .` in its folder; both build it"
+        )
+    return path.read_text(encoding="utf-8")
