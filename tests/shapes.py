@@ -1,0 +1,109 @@
+"""Meshes whose geometry is known in closed form, and changes that must not matter."""
+
+from __future__ import annotations
+
+import numpy as np
+import trimesh
+
+from scenewidget.engine.mesh import Mesh
+
+
+def triangle() -> Mesh:
+    """A right triangle with legs 3 and 4."""
+    return Mesh([[0, 0, 0], [3, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+
+
+def tetrahedron() -> Mesh:
+    """Regular, edge 2√2, around the origin, normals outward."""
+    corners = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+    return Mesh(corners, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+
+
+def grid_square(n: int, *, size: float = 1.0) -> Mesh:
+    """[0, size]² at z = 0 in n × n cells of two triangles, normals up."""
+    x, y = np.meshgrid(np.linspace(0, size, n + 1), np.linspace(0, size, n + 1), indexing="ij")
+    vertices = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
+    i = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = (part.ravel() for part in (i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]))
+    faces = np.stack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)], axis=1)
+    return Mesh(vertices, faces.reshape(-1, 3))
+
+
+def box(n: int = 1, *, size: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> Mesh:
+    """Closed box with n × n cells on each side, normals outward; edges shared, corners welded."""
+    flat = grid_square(n).vertices - 0.5
+    up = flat + [0.0, 0.0, 0.5]
+    sides = [np.roll(up, shift, axis=1) * sign for shift in range(3) for sign in (1.0, -1.0)]
+    sides[1], sides[3], sides[5] = (side * flip for side, flip in zip(sides[1::2], _mirrors()))
+    faces = grid_square(n).faces
+    stacked = np.concatenate([faces + k * len(flat) for k in range(6)])
+    vertices, place = np.unique(np.round(np.concatenate(sides), 12), axis=0, return_inverse=True)
+    return Mesh(vertices * size, place.ravel()[stacked])
+
+
+def _mirrors() -> list[list[float]]:
+    # −1 in all three coordinates mirrors a side; undoing it in one coordinate turns it back outward
+    return [[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0]]
+
+
+def icosphere(subdivisions: int = 3, *, radius: float = 1.0) -> Mesh:
+    """Sphere around the origin, 20·4^subdivisions faces, normals outward."""
+    sphere = trimesh.creation.icosphere(subdivisions=subdivisions, radius=radius)
+    return Mesh(sphere.vertices, sphere.faces)
+
+
+def torus(major: float = 1.0, minor: float = 0.4, *, n_major: int = 32, n_minor: int = 16) -> Mesh:
+    """Torus around the z axis, normals outward."""
+    shape = trimesh.creation.torus(major, minor, major_sections=n_major, minor_sections=n_minor)
+    return Mesh(shape.vertices, shape.faces)
+
+
+def blob(subdivisions: int = 3, *, seed: int = 0) -> Mesh:
+    """A closed surface without any symmetry, so that its eigenvalues are distinct."""
+    sphere = icosphere(subdivisions)
+    directions = np.random.default_rng(seed).standard_normal((4, 3))
+    bumps = np.sin(2.0 * sphere.vertices @ directions.T).sum(axis=1)
+    return Mesh(sphere.vertices * (1.0 + 0.15 * bumps[:, None]) * [1.0, 1.3, 1.7], sphere.faces)
+
+
+def accordion(n_panels: int, *, angle: float = 1.0) -> Mesh:
+    """A folding screen: panels of two triangles, each two panels at the same angle (radians), open."""
+    steps = np.stack([np.cos(angle / 2) * np.ones(n_panels), np.sin(angle / 2) * (-1.0) ** np.arange(n_panels)])
+    path = np.concatenate([np.zeros((1, 2)), np.cumsum(steps.T, axis=0)])
+    low = np.column_stack([path, np.zeros(len(path))])
+    i = np.arange(n_panels)
+    j = i + n_panels + 1
+    faces = np.stack([np.stack([i, i + 1, j + 1], axis=1), np.stack([i, j + 1, j], axis=1)], axis=1)
+    return Mesh(np.concatenate([low, low + [0.0, 0.0, 1.0]]), faces.reshape(-1, 3))
+
+
+def joined(*meshes: Mesh, gap: float = 0.0) -> Mesh:
+    """Meshes in one, not welded; each moved by ``gap`` in x from the one before."""
+    starts = np.cumsum([0] + [mesh.n_vertices for mesh in meshes])
+    vertices = [mesh.vertices + [i * gap, 0.0, 0.0] for i, mesh in enumerate(meshes)]
+    return Mesh(np.concatenate(vertices), np.concatenate([m.faces + s for m, s in zip(meshes, starts)]))
+
+
+def moved(mesh: Mesh, *, seed: int = 0, scale: float = 1.0) -> Mesh:
+    """Scaled, then turned and shifted at random (a proper rotation)."""
+    rng = np.random.default_rng(seed)
+    return Mesh(scale * mesh.vertices @ rotation(seed).T + rng.uniform(-3, 3, 3), mesh.faces)
+
+
+def rotation(seed: int = 0) -> np.ndarray:
+    """(3, 3) random proper rotation."""
+    Q, R = np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))
+    Q *= np.sign(np.diag(R))
+    return Q * np.sign(np.linalg.det(Q))
+
+
+def with_faces_in_order(mesh: Mesh, order: np.ndarray) -> Mesh:
+    """The same mesh; new face i is old face order[i]."""
+    return Mesh(mesh.vertices, mesh.faces[order])
+
+
+def with_vertices_in_order(mesh: Mesh, order: np.ndarray) -> Mesh:
+    """The same mesh; new vertex i is old vertex order[i]."""
+    new_number = np.empty(mesh.n_vertices, dtype=np.int64)
+    new_number[order] = np.arange(mesh.n_vertices)
+    return Mesh(mesh.vertices[order], new_number[mesh.faces])
