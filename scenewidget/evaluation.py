@@ -1,0 +1,194 @@
+"""Segmentations beside a truth, in one table.
+
+Go in: segmentations by name, the truth, the mesh. Comes out: a pandas table with a row each and a column
+for every metric, after section 4.3 of Küçükdemir (2020).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh
+from scenewidget.engine.segmentation import Segmentation
+from scenewidget.metrics import (
+    Unlabeled,
+    adjusted_rand_index,
+    cut_discrepancy,
+    global_consistency_error,
+    hamming_distance,
+    local_consistency_error,
+    mean_iou,
+    rand_index_error,
+    variation_of_information,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["METRICS", "evaluate"]
+
+By = Literal["faces", "area"]
+
+METRICS: Mapping[str, Callable[..., float]] = {
+    "rand_index_error": rand_index_error,
+    "global_consistency_error": global_consistency_error,
+    "local_consistency_error": local_consistency_error,
+    "hamming_distance": hamming_distance,
+    "cut_discrepancy": cut_discrepancy,
+    "variation_of_information": variation_of_information,
+    "adjusted_rand_index": adjusted_rand_index,
+    "mean_iou": mean_iou,
+}
+
+
+def evaluate(
+    segmentations: Mapping[str, Segmentation | IntArray],
+    truth: Segmentation | IntArray,
+    mesh: Mesh | None = None,
+    *,
+    by: By = "faces",
+    unlabeled: Unlabeled = "drop",
+    metrics: Collection[str] | None = None,
+) -> pd.DataFrame:
+    """Errors and scores of segmentations against a truth.
+
+    Parameters
+    ----------
+    segmentations : mapping of name to Segmentation or (n_faces,) int
+        One row each, in this order.
+    truth : Segmentation or (n_faces,) int
+    mesh : Mesh, optional
+        The mesh that all of them label; may be left out when `truth` is a `Segmentation`.
+    by : "faces" | "area"
+        What the regional metrics and the coverage count: faces as the thesis does, which lets densely
+        scanned regions weigh more, or square metres. Cut discrepancy always goes by length.
+    unlabeled : "drop" | "one" | "singletons"
+        See `scenewidget.metrics`. Whatever is chosen, the coverage says how much was left unlabeled.
+    metrics : collection of str, optional
+        Columns to compute; all of them by default. `cut_discrepancy` is the one that takes seconds on a
+        million faces.
+
+    Returns
+    -------
+    table : pandas.DataFrame
+        Index "segmentation". First the errors, lower is better: ``rand_index_error``,
+        ``global_consistency_error``, ``local_consistency_error``, ``hamming_distance``,
+        ``cut_discrepancy``, ``variation_of_information`` (nats). Then the scores, higher is better:
+        ``adjusted_rand_index``, ``mean_iou``. Then ``coverage``, the share of what the truth labels that
+        the segmentation labels too; ``n_segments``, and ``n_truth``, the segments of the truth.
+        A segmentation that labels nothing the truth labels has nan for every metric and coverage 0.
+
+    Raises
+    ------
+    TypeError
+        Something that is no segmentation, or not a mapping.
+    ValueError
+        Labels of another mesh, an unknown metric, an empty mapping.
+    """
+    import pandas as pd
+
+    mesh, actual = _check_truth(truth, mesh)
+    columns = _check_metrics(metrics)
+    if by not in ("faces", "area"):
+        raise ValueError(f"by must be 'faces' or 'area', got {by!r}")
+    weights = mesh.face_areas if by == "area" else None
+    rows = {
+        name: _row(labels, actual, mesh, weights, unlabeled, columns)
+        for name, labels in _check_segmentations(segmentations, mesh).items()
+    }
+    table = pd.DataFrame.from_dict(rows, orient="index", columns=[*columns, "coverage", "n_segments"])
+    table["n_truth"] = _count(actual)
+    return table.rename_axis("segmentation")
+
+
+def _row(
+    labels: IntArray,
+    truth: IntArray,
+    mesh: Mesh,
+    weights: FloatArray | None,
+    unlabeled: Unlabeled,
+    columns: Collection[str],
+) -> list[float]:
+    coverage = _share((labels >= 0) & (truth >= 0), weights) / _share(truth >= 0, weights)
+    values = []
+    for name in columns:
+        if coverage == 0 and unlabeled == "drop":
+            values.append(np.nan)
+        elif name == "cut_discrepancy":
+            values.append(cut_discrepancy(labels, truth, mesh, unlabeled))
+        else:
+            values.append(METRICS[name](labels, truth, weights, unlabeled))
+    return [*values, coverage, _count(labels)]
+
+
+def _share(mask: BoolArray, weights: FloatArray | None) -> float:
+    return float(np.average(mask, weights=weights))
+
+
+def _count(labels: IntArray) -> int:
+    return len(np.unique(labels[labels >= 0]))
+
+
+# --- checks ---------------------------------------------------------------------------------------
+
+
+def _check_truth(truth: Any, mesh: Mesh | None) -> tuple[Mesh, IntArray]:
+    if mesh is None:
+        if not isinstance(truth, Segmentation):
+            raise TypeError("mesh is needed when truth is an array: evaluate(segmentations, truth, mesh)")
+        mesh = truth.mesh
+    if not isinstance(mesh, Mesh):
+        raise TypeError(f"mesh must be a scenewidget.Mesh, got {type(mesh).__name__}")
+    labels = _face_labels("truth", truth, mesh)
+    if not (labels >= 0).any():
+        raise ValueError("truth labels no face at all, so there is nothing to compare with")
+    if mesh.face_areas[labels >= 0].sum() == 0:
+        raise ValueError("truth labels only faces without area, so there is nothing to compare with")
+    return mesh, labels
+
+
+def _check_segmentations(segmentations: Any, mesh: Mesh) -> dict[str, IntArray]:
+    if not isinstance(segmentations, Mapping):
+        raise TypeError(
+            "segmentations must map names to segmentations, such as {'ours': seg}, "
+            f"got {type(segmentations).__name__}"
+        )
+    if not segmentations:
+        raise ValueError("segmentations is empty: give at least one, such as {'ours': seg}")
+    return {name: _face_labels(f"segmentations[{name!r}]", s, mesh) for name, s in segmentations.items()}
+
+
+def _face_labels(name: str, value: Any, mesh: Mesh) -> IntArray:
+    if isinstance(value, Segmentation):
+        is_same = value.mesh is mesh or np.array_equal(value.mesh.faces, mesh.faces)
+        if not is_same:
+            raise ValueError(
+                f"{name} belongs to another mesh, of {value.mesh.n_faces} faces where this one has "
+                f"{mesh.n_faces}, or in another order; segment the mesh that the truth labels"
+            )
+        return value.labels
+    labels = np.asarray(value)
+    if labels.dtype.kind not in "iu":
+        raise TypeError(
+            f"{name} must be a Segmentation or whole-number labels, got {type(value).__name__} "
+            f"of dtype {labels.dtype}"
+        )
+    if labels.shape != (mesh.n_faces,):
+        raise ValueError(
+            f"{name} must have one label a face of the mesh: ({mesh.n_faces},), got {labels.shape}"
+        )
+    return labels.astype(np.int64)
+
+
+def _check_metrics(names: Collection[str] | None) -> list[str]:
+    if names is None:
+        return list(METRICS)
+    if isinstance(names, str):
+        raise TypeError(f"metrics must be a collection of names, such as [{names!r}], got a single str")
+    unknown = [name for name in names if name not in METRICS]
+    if unknown:
+        raise ValueError(f"metrics has {unknown[0]!r}; it may hold {', '.join(METRICS)}")
+    return list(names)
