@@ -1,0 +1,223 @@
+"""Consensus of an ensemble: from the keys of its runs to one partition.
+
+Goes in: a label per item and run. Comes out: base segments (items with equal keys), how often they fall
+together, and a partition of them by probabilistic evidence accumulation, by linkage, or as the median
+partition (thesis 3.5).
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+import numba
+import numpy as np
+
+from scenewidget.engine.linkage import average_linkage, cut_tree
+from scenewidget.engine.mesh import FloatArray, IntArray
+from scenewidget.engine.peac import PeacResult, peac
+
+__all__ = [
+    "CoAssociation",
+    "Leftover",
+    "PeacResult",
+    "average_linkage",
+    "base_segments",
+    "co_association",
+    "cut_tree",
+    "median_partition",
+    "peac",
+    "settle_leftovers",
+]
+
+Leftover = Literal["alone", "argmax", "linkage"]
+
+
+class CoAssociation(NamedTuple):
+    """How often base segments fall together.
+
+    Attributes
+    ----------
+    C : (n_base, n_base) float64
+        Share of the runs that saw both in which they share a cluster; 0 where none saw both.
+    weights : (n_base,) float64
+        Sum of the items' weights in each base segment.
+    base : (n_items,) int32
+        Base segment of each item, numbered by first appearance.
+    observed : (n_base, n_base) float64
+        Share of the runs that saw both: 1 everywhere unless keys hold −1.
+    """
+
+    C: FloatArray
+    weights: FloatArray
+    base: IntArray
+    observed: FloatArray
+
+
+def base_segments(keys: IntArray) -> IntArray:
+    """(n_items,) int32: items with equal keys get equal numbers, by first appearance (Eq. 3.10)."""
+    keys = np.ascontiguousarray(keys, dtype=np.int32)
+    if keys.ndim != 2:
+        raise ValueError(f"keys must have shape (n_items, n_runs), got {keys.shape}")
+    if keys.shape[1] == 0:
+        return np.zeros(len(keys), dtype=np.int32)
+    rows = keys.view(np.dtype((np.void, keys.itemsize * keys.shape[1]))).ravel()
+    _, first, inverse = np.unique(rows, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), dtype=np.int32)
+    rank[np.argsort(first)] = np.arange(len(first), dtype=np.int32)
+    return rank[inverse]
+
+
+def co_association(keys: IntArray, weights: FloatArray | None = None) -> CoAssociation:
+    """Co-association matrix of the base segments of an ensemble.
+
+    Parameters
+    ----------
+    keys : (n_items, n_runs) int
+        Cluster of each item in each run; −1 where the run did not see the item (partial evidence).
+    weights : (n_items,) float, optional
+        Areas; 1 each by default.
+
+    Returns
+    -------
+    CoAssociation
+        A named tuple (C, weights, base, observed).
+    """
+    keys = np.asarray(keys)
+    if keys.ndim != 2 or keys.dtype.kind not in "iu":
+        raise ValueError(f"keys must be whole numbers of shape (n_items, n_runs), got {keys.shape} {keys.dtype}")
+    if keys.shape[1] == 0:
+        raise ValueError("keys has no runs: an ensemble needs at least one")
+    weights = np.ones(len(keys)) if weights is None else np.asarray(weights, dtype=np.float64)
+    if weights.shape != (len(keys),):
+        raise ValueError(f"weights must have one entry an item: ({len(keys)},), got {weights.shape}")
+    base = base_segments(keys)
+    n_base = int(base.max()) + 1
+    first = np.full(n_base, len(base), dtype=np.int64)
+    np.minimum.at(first, base, np.arange(len(base)))
+    table = np.ascontiguousarray(keys[first], dtype=np.int32)
+    together, seen = _count(table)
+    C = np.divide(together, seen, out=np.zeros((n_base, n_base)), where=seen > 0)
+    return CoAssociation(C, np.bincount(base, weights, n_base), base, seen / keys.shape[1])
+
+
+@numba.njit(cache=True, nogil=True)
+def _count(table):  # type: ignore[no-untyped-def]
+    n, runs = table.shape
+    together = np.zeros((n, n), dtype=np.float64)
+    seen = np.zeros((n, n), dtype=np.float64)
+    for i in range(n):
+        for j in range(i + 1):
+            equal, both = 0, 0
+            for r in range(runs):
+                both += table[i, r] >= 0 and table[j, r] >= 0
+                equal += table[i, r] == table[j, r] and table[i, r] >= 0
+            together[i, j] = together[j, i] = equal
+            seen[i, j] = seen[j, i] = both
+    return together, seen
+
+
+def settle_leftovers(
+    result: PeacResult, C: FloatArray, weights: FloatArray, rule: Leftover = "alone"
+) -> tuple[IntArray, float]:
+    """Labels from soft assignments; ``rule`` says what becomes of columns whose largest entry is below ½.
+
+    Parameters
+    ----------
+    rule : str
+        "alone": a segment of its own (thesis 3.5); "argmax": the largest entry all the same; "linkage":
+        they are grouped among themselves and with the settled clusters by average linkage at ½.
+
+    Returns
+    -------
+    labels : (n_base,) int32
+        Dense.
+    share : float
+        Share of the weight in such columns.
+    """
+    is_left = result.Y.max(axis=0) < 0.5
+    labels = result.labels.astype(np.int64)
+    n_left = int(is_left.sum())
+    m = len(result.Y)
+    if rule in ("alone", "linkage"):
+        labels[is_left] = m + np.arange(n_left)
+    elif rule != "argmax":
+        raise ValueError(f"leftover must be 'alone', 'argmax' or 'linkage', got {rule!r}")
+    if rule == "linkage" and n_left:
+        groups, inverse = np.unique(labels, return_inverse=True)
+        member = np.zeros((len(groups), len(labels)))
+        member[inverse, np.arange(len(labels))] = weights
+        mass = member.sum(axis=1)
+        safe = np.where(mass > 0, mass, 1.0)
+        mean = member @ C @ member.T / (safe[:, None] * safe[None, :])
+        settled = groups < m
+        mean[np.ix_(settled, settled)] = 0.0  # settled clusters stay apart; only leftovers move
+        np.fill_diagonal(mean, 1.0)
+        labels = cut_tree(average_linkage(mean, mass), similarity=0.5)[inverse].astype(np.int64)
+    _, dense = np.unique(labels, return_inverse=True)
+    total = float(np.sum(weights))
+    return dense.astype(np.int32), float(weights[is_left].sum()) / total if total > 0 else 0.0
+
+
+def median_partition(C: FloatArray, weights: FloatArray, *, seed: int = 0, max_sweeps: int = 100) -> IntArray:
+    """Partition that agrees most with the ensemble: correlation clustering of C at ½, no number needed.
+
+    Minimises Σ w_ij (c_ij − [same label])², which is the sum of the (weighted Mirkin) distances to all
+    runs, by moving single base segments to where they gain most, from the average-linkage cut at ½.
+
+    Parameters
+    ----------
+    C : (n_base, n_base) float
+    weights : (n_base,) float
+
+    Returns
+    -------
+    labels : (n_base,) int32
+        Dense, numbered by first appearance. No single move improves it further.
+
+    References
+    ----------
+    Goder and Filkov (2008), ALENEX: "best one element moves".
+    """
+    C = np.ascontiguousarray(C, dtype=np.float64)
+    a = np.ascontiguousarray(weights, dtype=np.float64)
+    labels = cut_tree(average_linkage(C, a), similarity=0.5)
+    labels = _best_moves(C, a, labels.astype(np.int64), np.random.default_rng(seed).permutation(len(C)), max_sweeps)
+    _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), dtype=np.int32)
+    rank[np.argsort(first)] = np.arange(len(first), dtype=np.int32)
+    return rank[inverse]
+
+
+@numba.njit(cache=True, nogil=True)
+def _best_moves(C, a, labels, order, max_sweeps):  # type: ignore[no-untyped-def]
+    n = len(a)
+    gain = np.zeros((n, n))  # gain[i, l] = Σ_j a_j (C_ij − ½) over the members of cluster l
+    for i in range(n):
+        for j in range(n):
+            if i != j:
+                gain[i, labels[j]] += a[j] * (C[i, j] - 0.5)
+    count = np.zeros(n, dtype=np.int64)
+    for i in range(n):
+        count[labels[i]] += 1
+    for _ in range(max_sweeps):
+        moved = False
+        for i in order:
+            old = labels[i]
+            best, new = gain[i, old] + 1e-12, old
+            for c in range(n):
+                value = gain[i, c] if count[c] > 0 else 0.0
+                if value > best:
+                    best, new = value, c
+            if new != old:
+                moved = True
+                labels[i] = new
+                count[old] -= 1
+                count[new] += 1
+                for j in range(n):
+                    if j != i:
+                        change = a[i] * (C[j, i] - 0.5)
+                        gain[j, old] -= change
+                        gain[j, new] += change
+        if not moved:
+            break
+    return labels
