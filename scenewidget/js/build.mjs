@@ -2,7 +2,10 @@
 import { build } from "esbuild";
 
 await build({
-  entryPoints: { scene_view: "src/index.js" },
+  entryPoints: [
+    { in: "src/index.js", out: "scene_view" },
+    { in: "src/style.css", out: "scene_view" },
+  ],
   outdir: process.argv[2] ?? "../static",
   bundle: true,
   format: "esm",

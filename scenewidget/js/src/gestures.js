@@ -1,0 +1,167 @@
+/**
+ * What pointer movements mean: a state machine without a page.
+ *
+ * `step(gesture, event, mode)` gives the next gesture and the actions to take. In "navigate" a left drag
+ * orbits; in "edit" it merges the part it starts on with the part it ends on, and orbits if it starts on
+ * the background or with Shift. A right drag pans in both; a right click splits in "edit".
+ */
+
+/** Pixels of travel up to which a press and release is a click. */
+export const CLICK_TRAVEL = 4;
+
+/** @typedef {"navigate" | "edit"} Mode */
+/** @typedef {{ face: number, part: number }} Hit */
+/** @typedef {{ x: number, y: number }} Place */
+
+/**
+ * @typedef {object} PointerEventLike
+ * @property {"down" | "move" | "up" | "cancel"} type
+ * @property {number} id
+ * @property {number} x
+ * @property {number} y
+ * @property {number} [button]  0 left, 1 middle, 2 right
+ * @property {boolean} [shift]
+ * @property {boolean} [isTouch]
+ * @property {Hit | null} [hit]  what lies under the pointer; null outside the picture and on the background
+ */
+
+/**
+ * @typedef {object} Gesture
+ * @property {"idle" | "orbit" | "pan" | "pinch" | "press" | "link" | "aside"} phase  press, link: left button
+ *   on a part before and after leaving its place; aside: right button before it moves
+ * @property {Record<number, Place>} pointers  those that are down, where they were last
+ * @property {Place} start
+ * @property {Hit | null} from  part that the press began on
+ * @property {Hit | null} picked  part that a click has picked; the next click merges it
+ */
+
+/**
+ * @typedef {{ kind: "orbit" | "pan", dx: number, dy: number }
+ *   | { kind: "zoom", factor: number, x: number, y: number }
+ *   | { kind: "click" | "split", face: number }
+ *   | { kind: "merge", face: number, onto: number }} Action
+ */
+
+/** @type {Gesture} */
+export const IDLE = { phase: "idle", pointers: {}, start: { x: 0, y: 0 }, from: null, picked: null };
+
+/**
+ * @param {Gesture} gesture
+ * @param {PointerEventLike} event
+ * @param {Mode} mode
+ * @returns {[Gesture, Action[]]}
+ */
+export function step(gesture, event, mode) {
+  switch (event.type) {
+    case "down":
+      return [press(gesture, event, mode), []];
+    case "move":
+      return move(gesture, event);
+    case "up":
+      return release(gesture, event);
+    default:
+      return [IDLE, []];
+  }
+}
+
+/**
+ * @param {Gesture} gesture
+ * @param {PointerEventLike} event
+ * @param {Mode} mode
+ * @returns {Gesture}
+ */
+function press(gesture, event, mode) {
+  const place = { x: event.x, y: event.y };
+  const pointers = { ...gesture.pointers, [event.id]: place };
+  const next = { ...gesture, pointers, start: place, from: event.hit ?? null };
+  if (Object.keys(pointers).length > 1)
+    return { ...next, phase: event.isTouch ? "pinch" : gesture.phase, from: null };
+  const isEdit = mode === "edit" && event.hit;
+  if (event.button === 2) return { ...next, phase: isEdit ? "aside" : "pan" };
+  if (event.button === 1) return { ...next, phase: "pan" };
+  if (isEdit) return { ...next, phase: event.shift ? "orbit" : "press" };
+  return { ...next, phase: event.shift && mode === "navigate" ? "pan" : "orbit" };
+}
+
+/**
+ * @param {Gesture} gesture
+ * @param {PointerEventLike} event
+ * @returns {[Gesture, Action[]]}
+ */
+function move(gesture, event) {
+  const last = gesture.pointers[event.id];
+  if (!last) return [gesture, []];
+  const [dx, dy] = [event.x - last.x, event.y - last.y];
+  const next = { ...gesture, pointers: { ...gesture.pointers, [event.id]: { x: event.x, y: event.y } } };
+  const hasLeft = travel(gesture.start, event) >= CLICK_TRAVEL;
+  switch (gesture.phase) {
+    case "orbit":
+    case "pan":
+      return [next, [{ kind: gesture.phase, dx, dy }]];
+    case "pinch":
+      return [next, pinch(gesture.pointers, next.pointers)];
+    case "press":
+      return [hasLeft ? { ...next, phase: "link", picked: null } : next, []];
+    case "aside":
+      if (!hasLeft) return [next, []];
+      return [
+        { ...next, phase: "pan" },
+        [{ kind: "pan", dx: event.x - gesture.start.x, dy: event.y - gesture.start.y }],
+      ];
+    default:
+      return [next, []];
+  }
+}
+
+/**
+ * @param {Gesture} gesture
+ * @param {PointerEventLike} event
+ * @returns {[Gesture, Action[]]}
+ */
+function release(gesture, event) {
+  if (!gesture.pointers[event.id]) return [gesture, []];
+  const { [event.id]: _, ...pointers } = gesture.pointers;
+  if (Object.keys(pointers).length > 0) {
+    return [{ ...gesture, pointers, phase: gesture.phase === "pinch" ? "orbit" : gesture.phase }, []];
+  }
+  const rest = { ...IDLE, picked: gesture.picked };
+  const { phase, from } = gesture;
+  const to = event.hit ?? null;
+  if (phase === "link" && from) {
+    const isEdit = to && to.part !== from.part;
+    return [IDLE, isEdit ? [{ kind: "merge", face: from.face, onto: to.face }] : []];
+  }
+  if (phase === "press" && from) {
+    if (!gesture.picked) return [{ ...rest, picked: from }, [{ kind: "click", face: from.face }]];
+    if (gesture.picked.part === from.part) return [IDLE, []];
+    return [IDLE, [{ kind: "merge", face: gesture.picked.face, onto: from.face }]];
+  }
+  if (phase === "aside" && from) return [IDLE, [{ kind: "split", face: from.face }]];
+  if (phase === "orbit" && travel(gesture.start, event) < CLICK_TRAVEL) {
+    return [IDLE, from ? [{ kind: "click", face: from.face }] : []];
+  }
+  return [rest, []];
+}
+
+/**
+ * Two fingers: their middle moves the picture, their distance zooms it.
+ * @param {Record<number, Place>} before
+ * @param {Record<number, Place>} after
+ * @returns {Action[]}
+ */
+function pinch(before, after) {
+  const ids = Object.keys(after).map(Number).slice(0, 2);
+  const [a, b, c, d] = [before[ids[0]], before[ids[1]], after[ids[0]], after[ids[1]]];
+  if (!a || !b || !c || !d) return [];
+  const [x, y] = [(c.x + d.x) / 2, (c.y + d.y) / 2];
+  const factor = travel(a, b) / Math.max(1, travel(c, d));
+  return [
+    { kind: "pan", dx: x - (a.x + b.x) / 2, dy: y - (a.y + b.y) / 2 },
+    { kind: "zoom", factor, x, y },
+  ];
+}
+
+/** @param {Place} a @param {Place} b */
+function travel(a, b) {
+  return Math.hypot(a.x - b.x, a.y - b.y);
+}

@@ -1,0 +1,167 @@
+/**
+ * The three passes. Faces: number and light of the face at each pixel, and the scan's colour.
+ * Relief: how far a pixel lies behind its surroundings. Picture: colours, outlines and highlights.
+ */
+
+export const FACES_VERTEX = `
+precision highp float;
+precision highp int;
+uniform mat4 projectionView;
+uniform vec3 right, up, forward;
+in vec3 position;
+in vec4 normal;
+in uint face;
+in vec4 color;
+flat out uint faceNumber;
+out vec3 eyePosition;
+out vec3 eyeNormal;
+out vec3 scanColor;
+void main() {
+  faceNumber = face + 1u;
+  mat3 view = mat3(right.x, up.x, -forward.x, right.y, up.y, -forward.y, right.z, up.z, -forward.z);
+  eyePosition = view * position;
+  eyeNormal = view * normal.xyz;
+  scanColor = color.rgb;
+  gl_Position = projectionView * vec4(position, 1.0);
+}`;
+
+export const FACES_FRAGMENT = `
+precision highp float;
+precision highp int;
+flat in uint faceNumber;
+in vec3 eyePosition;
+in vec3 eyeNormal;
+in vec3 scanColor;
+layout(location = 0) out vec4 numberAndLight;
+#ifdef HAS_COLORS
+layout(location = 1) out vec4 scan;
+#endif
+const vec3 KEY = normalize(vec3(-0.45, 0.7, 0.6));
+const vec3 FILL = normalize(vec3(0.6, 0.05, 0.8));
+void main() {
+  // the flat normal where the smooth one would round off a crease
+  vec3 plane = normalize(cross(dFdx(eyePosition), dFdy(eyePosition)));
+  vec3 smoothed = normalize(gl_FrontFacing ? eyeNormal : -eyeNormal);
+  float agreement = dot(plane, smoothed);
+  vec3 normal = agreement > 0.0 ? normalize(mix(plane, smoothed, smoothstep(0.6, 0.85, agreement))) : plane;
+  float light = 0.62 * (0.35 + 0.65 * dot(normal, KEY)) + 0.38 * max(0.0, dot(normal, FILL));
+  uvec3 bytes = uvec3(faceNumber, faceNumber >> 8, faceNumber >> 16) & 255u;
+  numberAndLight = vec4(vec3(bytes) / 255.0, clamp(light, 0.0, 1.0));
+#ifdef HAS_COLORS
+  scan = vec4(scanColor, 1.0);
+#endif
+}`;
+
+export const SCREEN_VERTEX = `
+precision highp float;
+in vec3 position;
+void main() {
+  gl_Position = vec4(position.xy, 0.0, 1.0);
+}`;
+
+// Eye-dome lighting: Boucheny (2009), thesis, Université Joseph Fourier, Grenoble.
+export const RELIEF_FRAGMENT = `
+precision highp float;
+precision highp int;
+uniform highp sampler2D depth;
+uniform float near, far, size, reach;
+out vec4 relief;
+float distanceAt(ivec2 place) {
+  float d = texelFetch(depth, clamp(place, ivec2(0), textureSize(depth, 0) - 1), 0).r;
+  return near * far / (far - d * (far - near));
+}
+void main() {
+  ivec2 place = ivec2(gl_FragCoord.xy);
+  float here = distanceAt(place);
+  float edge = 0.0;
+  float hollow = 0.0;
+  if (here < far * 0.9999) {
+    for (int i = 0; i < 8; i++) {
+      float angle = 0.785398 * float(i) + 0.3;
+      vec2 direction = vec2(cos(angle), sin(angle));
+      edge += clamp((here - distanceAt(place + ivec2(round(direction * reach)))) / (0.03 * size), 0.0, 1.0);
+      float wide = (i & 1) == 0 ? 9.0 : 20.0;
+      float behind = (here - distanceAt(place + ivec2(direction * reach * wide))) / (0.02 * size);
+      hollow += behind < 4.0 ? clamp(behind, 0.0, 1.0) : clamp(6.0 - behind, 0.0, 2.0) * 0.5;
+    }
+  }
+  relief = vec4(1.0 - 0.5 * edge / 8.0 - 0.45 * hollow / 8.0, 0.0, 0.0, 1.0);
+}`;
+
+export const PICTURE_FRAGMENT = `
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+uniform sampler2D numbers, scan, relief, colormap;
+uniform usampler2D faceAtom, atoms, faceValue;
+uniform int colorBy; // 0 by the table, 1 scan, 2 plain, 3 values
+uniform bool hasScan, hasPartition, hasOutlines, outlinesParts;
+uniform float mixing, scale, width, pulse;
+uniform uint hovered, picked;
+uniform vec3 plain, unlabelled, accent;
+out vec4 picture;
+
+const uint NONE = 0xffffffffu;
+
+ivec2 cell(uint i, int width) { return ivec2(int(i) % width, int(i) / width); }
+
+uint faceAt(ivec2 place) {
+  vec3 bytes = texelFetch(numbers, place, 0).rgb * 255.0 + 0.5;
+  return uint(bytes.r) | uint(bytes.g) << 8 | uint(bytes.b) << 16;
+}
+
+uvec4 atomOf(uint face) {
+  uint atom = texelFetch(faceAtom, cell(face - 1u, textureSize(faceAtom, 0).x), 0).r;
+  return texelFetch(atoms, cell(atom, textureSize(atoms, 0).x), 0);
+}
+
+void main() {
+  ivec2 place = ivec2(gl_FragCoord.xy * scale);
+  vec4 here = texelFetch(numbers, place, 0);
+  uvec3 bytes = uvec3(here.rgb * 255.0 + 0.5);
+  uint face = bytes.r | bytes.g << 8 | bytes.b << 16;
+  if (face == 0u) {
+    picture = vec4(0.0);
+    return;
+  }
+  vec3 ground = hasScan ? texelFetch(scan, place, 0).rgb : plain;
+  uvec4 atom = hasPartition ? atomOf(face) : uvec4(NONE, NONE, 0u, 0u);
+  vec3 color = ground;
+  if (colorBy == 0) {
+    color = unlabelled;
+    if (atom.a == 1u) color = vec3(atom.b & 255u, atom.b >> 8 & 255u, atom.b >> 16 & 255u) / 255.0;
+    color = mix(ground, color, mixing);
+  } else if (colorBy == 2) {
+    color = plain;
+  } else if (colorBy == 3) {
+    uint value = texelFetch(faceValue, cell(face - 1u, textureSize(faceValue, 0).x), 0).r;
+    color = value == 0u ? unlabelled : texelFetch(colormap, ivec2(int((value - 1u) >> 8), 0), 0).rgb;
+    color = mix(ground, color, mixing);
+  }
+  float light = here.a * texelFetch(relief, place, 0).r;
+  vec3 shadow = vec3(0.30, 0.31, 0.38);
+  float strength = colorBy == 1 ? 0.55 : 1.0; // a scan brings shadows of its own
+  vec3 lit = color * mix(vec3(1.0), shadow + (vec3(1.10, 1.09, 1.06) - shadow) * light, strength);
+
+  bool isHovered = hovered != NONE && atom.g == hovered;
+  bool isPicked = picked != NONE && atom.g == picked;
+  if (isHovered) lit = mix(lit, accent, 0.18 + 0.34 * pulse);
+  if (isPicked) lit = mix(lit, accent, 0.35);
+  if (hasPartition && (hasOutlines || hovered != NONE)) {
+    float between = 0.0;
+    float around = 0.0;
+    ivec2 last = textureSize(numbers, 0) - 1;
+    for (int i = 0; i < 4; i++) {
+      ivec2 way = ivec2(i < 2 ? (i == 0 ? 1 : -1) : 0, i < 2 ? 0 : (i == 2 ? 1 : -1));
+      ivec2 there = clamp(place + way * int(width), ivec2(0), last);
+      uint other = faceAt(there);
+      if (other == face || other == 0u) continue;
+      uvec4 beside = atomOf(other);
+      between += float(outlinesParts ? beside.g != atom.g : beside.r != atom.r);
+      around += float((beside.g == hovered) != (atom.g == hovered));
+    }
+    if (hasOutlines) lit *= 1.0 - 0.62 * min(1.0, 0.5 * between);
+    if (hovered != NONE) lit = mix(lit, accent, 0.85 * min(1.0, 0.5 * around));
+  }
+  picture = vec4(lit, 1.0);
+}`;

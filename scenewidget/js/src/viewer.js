@@ -1,0 +1,398 @@
+/**
+ * One picture of one mesh: where the camera is, when what is drawn, and what lies under the pointer.
+ *
+ * While the camera moves, a slow machine draws a coarse stand-in at a lower resolution; when it stops,
+ * everything is drawn fully once and the face numbers are read back, so that pointing costs a look-up.
+ */
+
+import {
+  add,
+  firstDirection,
+  fit,
+  frame,
+  fromAbove,
+  mainAxis,
+  meet,
+  orbit,
+  pan,
+  ray,
+  zoom,
+} from "./camera.js";
+import { coarse, sample } from "./geometry.js";
+import { atomTable, NONE } from "./partition.js";
+import { SceneRenderer } from "./renderer.js";
+
+/** @typedef {import("./camera.js").Camera} Camera */
+/** @typedef {import("./camera.js").Vec3} Vec3 */
+/** @typedef {import("./gestures.js").Action} Action */
+/** @typedef {import("./gestures.js").Place} Place */
+/** @typedef {import("./partition.js").ColorBy} ColorBy */
+/** @typedef {import("./partition.js").Partition} Partition */
+/** @typedef {import("./renderer.js").MeshArrays} MeshArrays */
+
+const REST_MS = 140; // without movement for so long, the camera has stopped
+const FLIGHT_MS = 280;
+const BLINK_MS = 1100;
+const SMOOTH_MS = 40; // a full drawing that takes longer is replaced by the coarse one while moving
+const COARSE_FACES = 120_000;
+const ORBIT_SPEED = 0.0075; // radians a pixel
+
+const COLOR_CODES = { segments: 0, parts: 0, scan: 1, shaded: 2, values: 3 };
+
+export class Viewer {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {object} events
+   * @param {() => void} events.onFirstFrame
+   * @param {() => void} events.onRest  face numbers are fresh: what lies under the pointer may have changed
+   */
+  constructor(canvas, { onFirstFrame, onRest }) {
+    this.canvas = canvas;
+    this.onFirstFrame = onFirstFrame;
+    this.onRest = onRest;
+    this.renderer = new SceneRenderer(canvas);
+    /** @type {Camera} */
+    this.camera = { target: [0, 0, 0], yaw: -1, pitch: 0.7, distance: 1 };
+    /** @type {Camera} */
+    this.start = this.camera;
+    /** @type {MeshArrays | null} */
+    this.mesh = null;
+    /** @type {Partition | null} */
+    this.partition = null;
+    this.size = { width: 0, height: 0 };
+    /** @type {{ numbers: import("./renderer.js").Numbers, camera: Camera, aspect: number } | null} */
+    this.snapshot = null;
+    this.look = {
+      /** @type {ColorBy} */
+      colorBy: "shaded",
+      mixing: 1,
+      outlines: true,
+      backFaces: false,
+      isDark: false,
+      hovered: NONE,
+      picked: NONE,
+    };
+    this.isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.needs = { faces: false, picture: false };
+    this.isMoving = false;
+    this.isPlaced = false;
+    this.hasDrawn = false;
+    this.isLost = false;
+    this.isDisposed = false;
+    /** Milliseconds of a full drawing; unknown until measured. @type {number | null} */
+    this.cost = null;
+    this.drawing = 0;
+    this.request = 0;
+    this.restTimer = 0;
+    this.blinkTimer = 0;
+    this.coarseTimer = 0;
+    /** @type {{ from: Camera, to: Camera, began: number } | null} */
+    this.flight = null;
+    /** @type {{ place: Place, point: Vec3 } | null} */
+    this.anchor = null;
+  }
+
+  /** @param {MeshArrays} mesh */
+  setMesh(mesh) {
+    this.mesh = mesh;
+    this.sample = sample(mesh.vertices, mesh.faces);
+    this.renderer.setMesh(mesh);
+    this.#draw();
+  }
+
+  /** @param {Partition | null} partition */
+  setPartition(partition) {
+    if (partition?.faceAtom !== this.partition?.faceAtom)
+      this.renderer.setFaceAtoms(partition?.faceAtom ?? null);
+    this.partition = partition;
+    if (partition) this.renderer.setAtomTable(atomTable(partition, this.look.colorBy));
+    this.#draw({ faces: false });
+  }
+
+  /** @param {Uint16Array} values @param {Uint8Array} colormap */
+  setValues(values, colormap) {
+    this.renderer.setValues(values, colormap);
+    this.#draw({ faces: false });
+  }
+
+  /** @param {Partial<Viewer["look"]>} changes */
+  setLook(changes) {
+    const before = this.look;
+    this.look = { ...before, ...changes };
+    if (this.partition && this.look.colorBy !== before.colorBy) {
+      this.renderer.setAtomTable(atomTable(this.partition, this.look.colorBy));
+    }
+    if (this.look.hovered !== before.hovered) this.#blink();
+    this.#draw({ faces: this.look.backFaces !== before.backFaces });
+  }
+
+  /** @param {number} width @param {number} height  CSS pixels */
+  resize(width, height) {
+    this.size = { width, height };
+    if (width < 1 || height < 1) return;
+    this.renderer.resize(width, height, Math.min(2, devicePixelRatio || 1));
+    if (this.mesh && this.sample && !this.isPlaced) {
+      this.isPlaced = true;
+      this.start = this.#fitted({ ...this.camera, ...firstDirection(this.sample.normals) });
+      this.camera = this.start;
+    }
+    this.#draw();
+  }
+
+  /** @param {"here" | "above" | "start"} from */
+  lookFrom(from) {
+    if (!this.sample) return;
+    if (from === "start") this.start = this.#fitted({ ...this.start });
+    const camera = {
+      here: this.camera,
+      above: fromAbove(this.camera, mainAxis(this.sample.normals)),
+      start: this.start,
+    };
+    this.#fly(from === "start" ? this.start : this.#fitted(camera[from]));
+  }
+
+  /** @param {Action} action */
+  apply(action) {
+    const { width, height } = this.size;
+    switch (action.kind) {
+      case "orbit":
+        return this.#move(orbit(this.camera, -action.dx * ORBIT_SPEED, action.dy * ORBIT_SPEED));
+      case "pan":
+        return this.#move(pan(this.camera, action.dx / height, action.dy / height));
+      case "zoom": {
+        const point = this.#anchorAt({ x: action.x ?? width / 2, y: action.y ?? height / 2 });
+        const nearest = 0.01 * (this.mesh?.bounds.radius ?? 1);
+        return this.#move(zoom(this.camera, action.factor, point, nearest));
+      }
+    }
+  }
+
+  /** Make the point at a place the one to turn around. @param {Place} place */
+  recentre(place) {
+    const point = this.pointAt(place);
+    if (point) this.#fly({ ...this.camera, target: point });
+  }
+
+  /**
+   * Face drawn at a place of the picture at rest; null on the background, outside, and while moving.
+   * @param {Place} place  CSS pixels from the upper left
+   */
+  faceAt({ x, y }) {
+    if (!this.snapshot || this.isMoving) return null;
+    return this.#snapshotFace({ x, y });
+  }
+
+  /**
+   * Face and part at a place; null where there is no part.
+   * @param {Place} place
+   * @returns {import("./gestures.js").Hit | null}
+   */
+  hitAt(place) {
+    const face = this.faceAt(place);
+    if (face === null || !this.partition) return null;
+    const part = this.partition.atomPart[this.partition.faceAtom[face]];
+    return part === NONE ? null : { face, part };
+  }
+
+  /**
+   * Point of the surface at a place, as the picture was when it last stood still.
+   * @param {Place} place
+   * @returns {Vec3 | null}
+   */
+  pointAt(place) {
+    const face = this.#snapshotFace(place);
+    if (face === null || !this.snapshot || !this.mesh) return null;
+    const { vertices, faces } = this.mesh;
+    const corner = (/** @type {number} */ k) => {
+      const v = 3 * faces[3 * face + k];
+      return /** @type {Vec3} */ ([vertices[v], vertices[v + 1], vertices[v + 2]]);
+    };
+    const { camera, aspect } = this.snapshot;
+    const direction = this.#ray(camera, place, aspect);
+    return meet(frame(camera).eye, direction, [corner(0), corner(1), corner(2)]);
+  }
+
+  /** The context is gone for now; three.js takes it up again by itself. */
+  lose() {
+    this.isLost = true;
+    this.snapshot = null;
+  }
+
+  restore() {
+    this.isLost = false;
+    this.#draw();
+  }
+
+  dispose() {
+    this.isDisposed = true;
+    cancelAnimationFrame(this.request);
+    for (const timer of [this.restTimer, this.blinkTimer, this.coarseTimer]) clearTimeout(timer);
+    this.renderer.dispose();
+  }
+
+  /** @param {Camera} camera */
+  #fitted(camera) {
+    const { width, height } = this.size;
+    return fit(camera, this.sample?.points ?? new Float32Array(0), width / Math.max(1, height));
+  }
+
+  /** @param {Camera} camera */
+  #move(camera) {
+    this.flight = null;
+    this.camera = camera;
+    this.#moved();
+  }
+
+  #moved() {
+    this.isMoving = true;
+    clearTimeout(this.restTimer);
+    this.restTimer = window.setTimeout(() => {
+      this.isMoving = false;
+      this.anchor = null;
+      this.#draw();
+    }, REST_MS);
+    this.#draw();
+  }
+
+  /** @param {Camera} to */
+  #fly(to) {
+    if (this.isStill || !this.hasDrawn) return this.#move(to);
+    const turn = Math.round((this.camera.yaw - to.yaw) / (2 * Math.PI)) * 2 * Math.PI;
+    this.flight = { from: this.camera, to: { ...to, yaw: to.yaw + turn }, began: performance.now() };
+    this.#moved();
+  }
+
+  #advanceFlight() {
+    if (!this.flight) return;
+    const { from, to, began } = this.flight;
+    const t = Math.min(1, (performance.now() - began) / FLIGHT_MS);
+    const s = t * t * (3 - 2 * t);
+    const mix = (/** @type {number} */ a, /** @type {number} */ b) => a + s * (b - a);
+    this.camera = {
+      target: add(
+        from.target,
+        [to.target[0] - from.target[0], to.target[1] - from.target[1], to.target[2] - from.target[2]],
+        s,
+      ),
+      yaw: mix(from.yaw, to.yaw),
+      pitch: mix(from.pitch, to.pitch),
+      distance: from.distance * (to.distance / from.distance) ** s,
+    };
+    if (t >= 1) this.flight = null;
+    this.#moved();
+  }
+
+  /** The point that a zoom leaves in place: kept while the pointer stays. @param {Place} place */
+  #anchorAt(place) {
+    const { width, height } = this.size;
+    if (!this.anchor || Math.hypot(place.x - this.anchor.place.x, place.y - this.anchor.place.y) > 3) {
+      const onTarget = add(
+        frame(this.camera).eye,
+        this.#ray(this.camera, place, width / height),
+        this.camera.distance,
+      );
+      this.anchor = { place, point: (!this.isMoving && this.pointAt(place)) || onTarget };
+    }
+    return this.anchor.point;
+  }
+
+  /** @param {Camera} camera @param {Place} place @param {number} aspect */
+  #ray(camera, { x, y }, aspect) {
+    return ray(camera, (2 * x) / this.size.width - 1, 1 - (2 * y) / this.size.height, aspect);
+  }
+
+  /** @param {Place} place */
+  #snapshotFace({ x, y }) {
+    if (!this.snapshot) return null;
+    const { width, height, bytes } = this.snapshot.numbers;
+    const column = Math.floor((x / this.size.width) * width);
+    const row = height - 1 - Math.floor((y / this.size.height) * height);
+    if (!(column >= 0 && column < width && row >= 0 && row < height)) return null;
+    const i = 4 * (row * width + column);
+    const number = bytes[i] | (bytes[i + 1] << 8) | (bytes[i + 2] << 16);
+    return number === 0 ? null : number - 1;
+  }
+
+  #draw({ faces = true } = {}) {
+    this.needs.picture = true;
+    this.needs.faces ||= faces;
+    if (!this.request) this.request = requestAnimationFrame(() => this.#frame());
+  }
+
+  #frame() {
+    this.request = 0;
+    if (this.isDisposed || this.isLost || !this.mesh || !this.isPlaced || this.size.width < 1) return;
+    this.#advanceFlight();
+    const { faces, picture } = this.needs;
+    this.needs = { faces: false, picture: false };
+    const nFaces = this.mesh.faces.length / 3;
+    const isSlow = this.cost === null ? nFaces > 3 * COARSE_FACES : this.cost > SMOOTH_MS;
+    const isDraft = this.isMoving && isSlow;
+    const began = performance.now();
+    if (faces) {
+      this.snapshot = null;
+      this.drawing++;
+      const { backFaces } = this.look;
+      this.renderer.drawFaces(this.camera, { scale: isDraft ? 0.6 : 1, isCoarse: isDraft, backFaces });
+    }
+    if (picture) this.renderer.drawPicture(this.#currentLook());
+    if (faces && !this.isMoving) this.#readNumbers(began);
+    if (!this.hasDrawn) {
+      this.hasDrawn = true;
+      requestAnimationFrame(() => this.onFirstFrame());
+    }
+  }
+
+  /** @param {number} began */
+  async #readNumbers(began) {
+    const [drawing, camera, aspect] = [this.drawing, this.camera, this.size.width / this.size.height];
+    const isFirst = this.cost === null;
+    const numbers = await this.renderer.readNumbers().catch(() => null); // the context was lost meanwhile
+    if (!numbers || this.isDisposed || this.isLost || drawing !== this.drawing) return;
+    this.snapshot = { numbers, camera, aspect };
+    const cost = performance.now() - began;
+    this.cost = isFirst ? Math.min(cost, SMOOTH_MS + 1) : cost; // the first time includes the transfer to the GPU
+    this.onRest();
+    if (this.cost > SMOOTH_MS) this.#prepareCoarse();
+  }
+
+  #prepareCoarse() {
+    if (!this.mesh || this.work || this.mesh.faces.length / 3 < 2 * COARSE_FACES) return;
+    const work = coarse(this.mesh.vertices, this.mesh.faces, COARSE_FACES);
+    this.work = work;
+    const proceed = () => {
+      const { done, value } = work.next();
+      if (done) this.renderer.setCoarse(value.faces, value.numbers);
+      else this.coarseTimer = window.setTimeout(proceed, 30);
+    };
+    this.coarseTimer = window.setTimeout(proceed, 200);
+  }
+
+  #blink() {
+    clearTimeout(this.blinkTimer);
+    this.blinkBegan = performance.now();
+    if (this.isStill || this.look.hovered === NONE) return;
+    const tick = () => {
+      this.#draw({ faces: false });
+      this.blinkTimer = window.setTimeout(tick, (this.cost ?? 0) > SMOOTH_MS ? 90 : 40);
+    };
+    this.blinkTimer = window.setTimeout(tick, 40);
+  }
+
+  #currentLook() {
+    const { colorBy, mixing, outlines, isDark, hovered, picked } = this.look;
+    const phase = (performance.now() - (this.blinkBegan ?? 0)) / BLINK_MS;
+    return {
+      colorBy: /** @type {0 | 1 | 2 | 3} */ (
+        colorBy === "scan" && !this.mesh?.colors ? 2 : COLOR_CODES[colorBy]
+      ),
+      mixing,
+      outlines: outlines && (colorBy === "segments" || colorBy === "parts"),
+      outlinesParts: colorBy === "parts",
+      hovered: this.isMoving ? NONE : hovered,
+      picked,
+      pulse: this.isStill ? 0.6 : 0.5 + 0.5 * Math.cos(2 * Math.PI * phase),
+      isDark,
+    };
+  }
+}
