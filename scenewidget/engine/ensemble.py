@@ -1,0 +1,208 @@
+"""The ensemble: many different clusterings of the same items.
+
+Goes in: items, distances, shares of k for each component. Come out: the keys, a label per item and run.
+Members are k-medoids runs (thesis 3.4), merged where they cut a plane in pieces, and optionally
+Felzenszwalb runs at random thresholds, for diversity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, Literal
+
+import numpy as np
+
+from scenewidget.engine.distances import edge_costs
+from scenewidget.engine.felzenszwalb import felzenszwalb
+from scenewidget.engine.items import Items
+from scenewidget.engine.kmedoids import Init, alternate, initial_medoids
+from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
+from scenewidget.engine.monitor import SILENT, Monitor
+
+__all__ = ["allocate", "felzenszwalb_members", "k_medoids_members", "merge_flat"]
+
+Allocation = Literal["dihedral", "faces", "same"]
+
+
+def allocate(total: int, share: FloatArray, size: IntArray) -> IntArray:
+    """Distribute a number of clusters over components.
+
+    Parameters
+    ----------
+    total : int
+        k or S.
+    share : (n_components,) float
+        Parts of the whole, summing to 1; or all 1 for "each component the whole".
+    size : (n_components,) int
+        Items in each: no component gets more clusters than items.
+
+    Returns
+    -------
+    count : (n_components,) int64
+        At least 1 each, so that many components can exceed the total.
+    """
+    return np.clip(np.rint(total * share), 1, size).astype(np.int64)
+
+
+def k_medoids_members(
+    items: Items,
+    distances: Sequence[np.ndarray[Any, np.dtype[np.float32]]],
+    share: FloatArray,
+    *,
+    k_range: tuple[int, int],
+    n_runs: int,
+    init: Init = "random",
+    merge: dict[str, float] | None = None,
+    seed: int = 0,
+    n_threads: int = 2,
+    monitor: Monitor | None = None,
+) -> IntArray:
+    """Keys of k-medoids runs with k drawn evenly from ``k_range``.
+
+    Parameters
+    ----------
+    items : Items
+    distances : sequence of (n, n) float32
+        Run i works on ``distances[i % len(distances)]``. ``inf`` between components, which are therefore
+        clustered apart, each with its share of k.
+    share : (n_components,) float
+        See `allocate`.
+    merge : dict, optional
+        Thresholds of `merge_flat`; None merges nothing.
+    seed : int
+        Run i draws from a generator of its own, so more runs extend fewer.
+
+    Returns
+    -------
+    keys : (n, n_runs) int32
+    """
+    monitor = monitor or SILENT
+    component = items.component
+    size = np.bincount(component)
+    order = np.argsort(component, kind="stable")
+    members = np.split(order, np.cumsum(size)[:-1])
+
+    def run(i: int) -> IntArray:
+        monitor.tick()
+        rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(i,)))
+        D = distances[i % len(distances)]
+        k = int(rng.integers(k_range[0], k_range[1] + 1))
+        medoids = []
+        for inside, count in zip(members, allocate(k, share, size)):
+            if init == "random":
+                medoids.append(rng.choice(inside, size=count, replace=False))
+            else:
+                block = D if len(members) == 1 else np.ascontiguousarray(D[np.ix_(inside, inside)])
+                child = np.random.SeedSequence(int(rng.integers(2**63)))
+                medoids.append(inside[initial_medoids(block, int(count), init=init, seed=child)])
+        labels = alternate(D, np.concatenate(medoids).astype(np.int32)).labels
+        return labels if merge is None else merge_flat(items, labels, **merge)
+
+    return _collect(run, n_runs, items.n, n_threads, monitor)
+
+
+def felzenszwalb_members(
+    items: Items,
+    *,
+    n_runs: int,
+    cost_exponent: float = 1.0,
+    convex_weight: tuple[float, float] = (0.05, 0.5),
+    threshold: tuple[float, float] = (0.02, 0.3),
+    jitter: float = 0.3,
+    hop: float = 0.02,
+    seed: int = 0,
+    n_threads: int = 2,
+    monitor: Monitor | None = None,
+) -> IntArray:
+    """Keys of Felzenszwalb runs on the graph of items, each with its own convex weight and threshold.
+
+    Parameters
+    ----------
+    convex_weight : (low, high)
+        What a convex edge's weight is multiplied by, drawn evenly.
+    threshold : (low, high)
+        In square metres times weight, drawn evenly in its logarithm.
+    jitter : float
+        Weights are multiplied by exp(jitter · N(0, 1)).
+    hop : float
+        Added to each weight.
+
+    Returns
+    -------
+    keys : (n, n_runs) int32
+    """
+    monitor = monitor or SILENT
+    costs = edge_costs(items.normals, items.pairs, a=1.0, b=-1.0, exponent=cost_exponent)
+
+    def run(i: int) -> IntArray:
+        monitor.tick()
+        rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(1_000_000 + i,)))
+        alpha = rng.uniform(*convex_weight)
+        c = float(np.exp(rng.uniform(*np.log(threshold))))
+        weights = np.where(items.is_convex, alpha * costs, costs) + hop
+        weights = weights * np.exp(jitter * rng.standard_normal(len(weights)))
+        return felzenszwalb(items.n, items.pairs, weights, threshold=c, sizes=items.areas)
+
+    return _collect(run, n_runs, items.n, n_threads, monitor)
+
+
+def _collect(
+    run: Callable[[int], IntArray], n_runs: int, n_items: int, n_threads: int, monitor: Monitor
+) -> IntArray:
+    keys = np.empty((n_items, n_runs), dtype=np.int32)
+    with ThreadPoolExecutor(n_threads) as pool:
+        for i, labels in enumerate(pool.map(run, range(n_runs))):
+            keys[:, i] = labels
+            monitor.tick((i + 1) / n_runs)
+    return keys
+
+
+def merge_flat(
+    items: Items, labels: IntArray, *, flatness: float = 0.008, normal: float = 0.99, seam: float = 0.99
+) -> IntArray:
+    """Merge neighbouring segments that lie in one plane (thesis 3.4, Fig. 3.5).
+
+    Two neighbours merge if λ2/λ0 of both scatter matrices is below ``flatness``, the absolute dot product
+    of their smallest eigenvectors is above ``normal``, and along their seam at least half of the face
+    pairs have a dot product of normals above ``seam`` and the mean over the seam is above it too. (The
+    thesis says "at least half of the face normals point at similar directions and mean dot product of
+    those faces is above the threshold"; we read it as two conditions on all face pairs of the seam.) All
+    pairs that qualify merge at once, and so on until none does.
+
+    Parameters
+    ----------
+    labels : (n,) int32
+        Dense, −1 for items in no segment.
+
+    Returns
+    -------
+    labels : (n,) int32
+        Dense again.
+    """
+    labels = labels.astype(np.int64)
+    good = items.seam_dot > seam
+    while True:
+        n = int(labels.max(initial=-1)) + 1
+        if n < 2:
+            break
+        moments = items.moments.gather(labels, n)
+        values, vectors = moments.principal()
+        is_flat = values[:, 0] < flatness * values[:, 2]
+        ends = labels[items.pairs]
+        crossing = (ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)
+        low, high = ends.min(axis=1), ends.max(axis=1)
+        code, inverse = np.unique(np.where(crossing, low * n + high, -1), return_inverse=True)
+        seam_code = inverse[items.seam_pair]
+        count = np.bincount(seam_code, minlength=len(code))
+        mean = np.bincount(seam_code, items.seam_dot, len(code)) / np.maximum(count, 1)
+        half = np.bincount(seam_code, good, len(code)) >= 0.5 * count
+        a, b = np.maximum(code, 0) // n, np.maximum(code, 0) % n
+        normals = vectors[:, :, 0]
+        parallel = np.abs(np.einsum("ij,ij->i", normals[a], normals[b])) > normal
+        joins = (code >= 0) & (count > 0) & is_flat[a] & is_flat[b] & parallel & half & (mean > seam)
+        if not joins.any():
+            break
+        _, group = connected_components(n, np.stack([a[joins], b[joins]], axis=1))
+        labels = np.where(labels >= 0, group[labels].astype(np.int64), -1)
+    return labels.astype(np.int32)

@@ -1,0 +1,270 @@
+"""What is clustered: faces of a simplified mesh (thesis), or superfacets of the raw mesh (default).
+
+Goes in: a mesh. Comes out: one graph type that everything from distances to consensus works on, without
+asking which of the two its nodes are.
+
+A superfacet is a small connected patch of the raw mesh with nearly one normal. Labels of superfacets map
+back to the raw faces exactly, and nothing is thrown away to get down to a size that can be clustered.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+from scipy.spatial import cKDTree
+
+from scenewidget.engine.felzenszwalb import felzenszwalb
+from scenewidget.engine.mesh import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Mesh,
+    connected_components,
+    face_adjacency,
+)
+from scenewidget.engine.moments import Moments, face_moments
+from scenewidget.engine.monitor import SILENT, Monitor
+from scenewidget.engine.preprocess import filter_normals, simplify
+
+__all__ = ["Items", "find_bridges", "simplified_items", "superfacet_items"]
+
+
+@dataclass(frozen=True, eq=False)
+class Items:
+    """A graph of surface patches.
+
+    Attributes
+    ----------
+    areas : (n,) float64
+        Square metres.
+    centroids : (n, 3) float64
+        Metres.
+    normals : (n, 3) float64
+        Unit area-weighted mean normals; zero where the normals cancel.
+    moments : Moments
+        Of each item, about the centre of the mesh's bounding box.
+    pairs : (n_pairs, 2) int32
+        Neighbouring items, each pair once, smaller first, in lexicographic order; bridges included.
+    seam_pair : (n_seams,) int32
+        Index into ``pairs`` of each pair of faces that meet across it.
+    seam_dot : (n_seams,) float32
+        Dot product of the two faces' normals.
+    mesh : Mesh
+        The mesh that the items are made of: the simplified one, or the raw one.
+    item_of_face : (mesh.n_faces,) int32
+        Item of each face of that mesh, −1 where it was dropped.
+    face_map : (n_raw_faces,) int32
+        Item of each face of the mesh as loaded, −1 where it was dropped.
+    report : dict
+        What was reached and dropped.
+    """
+
+    areas: FloatArray
+    centroids: FloatArray
+    normals: FloatArray
+    moments: Moments
+    pairs: IntArray
+    seam_pair: IntArray
+    seam_dot: FloatArray
+    mesh: Mesh
+    item_of_face: IntArray
+    face_map: IntArray
+    report: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+    def __repr__(self) -> str:
+        return f"Items({self.n} items, {len(self.pairs)} pairs)"
+
+    @property
+    def n(self) -> int:
+        """Number of items."""
+        return len(self.areas)
+
+    @cached_property
+    def lengths(self) -> FloatArray:
+        """(n_pairs,) distance of the two centroids, metres."""
+        return np.asarray(np.linalg.norm(self.centroids[self.pairs[:, 0]] - self.centroids[self.pairs[:, 1]], axis=1))
+
+    @cached_property
+    def graph(self) -> sparse.csr_array:
+        """(n, n) symmetric csr: distance of the centroids of neighbouring items, metres."""
+        rows, columns = np.concatenate([self.pairs, self.pairs[:, ::-1]]).T
+        return sparse.csr_array((np.tile(self.lengths, 2), (rows, columns)), shape=(self.n, self.n))
+
+    @cached_property
+    def is_convex(self) -> BoolArray:
+        """(n_pairs,) whether the surface bulges towards the side that the normals point to."""
+        i, j = self.pairs.T
+        apart = self.centroids[j] - self.centroids[i]
+        return np.asarray(np.einsum("ij,ij->i", apart, self.normals[j] - self.normals[i]) > 0)
+
+    @cached_property
+    def component(self) -> IntArray:
+        """(n,) int32 connected component of each item."""
+        return connected_components(self.n, self.pairs)[1]
+
+
+def simplified_items(
+    mesh: Mesh, pairs: IntArray, *, monitor: Monitor | None = None, **options: Any
+) -> Items:
+    """Faces of the simplified mesh as items; ``options`` are those of `preprocess.simplify`."""
+    simplified = simplify(mesh, pairs, monitor=monitor, **options)
+    small = simplified.mesh
+    item_of_face = np.arange(small.n_faces, dtype=np.int32)
+    face_pairs = np.concatenate([face_adjacency(small), simplified.bridges])
+    return _build(
+        small, item_of_face, simplified.face_map, face_pairs, small.face_normals, simplified.report
+    )
+
+
+def superfacet_items(
+    mesh: Mesh,
+    pairs: IntArray,
+    *,
+    n_items: int = 6_000,
+    sweeps: int = 30,
+    threshold: float = 0.001,
+    min_faces: int = 30,
+    bridge: float = 0.06,
+    monitor: Monitor | None = None,
+) -> Items:
+    """Superfacets of the raw mesh as items.
+
+    Felzenszwalb's rule on filtered normals, w = 1 − N_i·N_j, over adjacent faces and bridges between
+    fragments; the minimum size is raised by 1.4 until at most ``n_items`` are left.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    pairs : (n_pairs, 2) int32
+        `face_adjacency` of the mesh.
+    n_items : int
+        Most items.
+    sweeps : int
+        Of `preprocess.filter_normals`.
+    threshold : float
+        Of `felzenszwalb`, on the number of faces.
+    min_faces : int
+        Smallest superfacet at first; less on meshes with fewer than ``min_faces * n_items`` faces.
+    bridge : float
+        Fragments whose borders are at most this far apart (metres) count as neighbours.
+    """
+    monitor = monitor or SILENT
+    normals = filter_normals(mesh, pairs, sweeps=sweeps, monitor=monitor)
+    monitor.tick(0.5)
+    bridges = find_bridges(mesh, pairs, bridge)
+    links = np.concatenate([pairs, bridges])
+    i, j = links.T
+    weights = (1.0 - np.einsum("ij,ij->i", normals[i], normals[j])).astype(np.float32)
+    order = np.argsort(weights, kind="stable")
+    monitor.tick(0.7)
+    size = float(min(min_faces, max(1, mesh.n_faces // n_items)))
+    has_area, crumb = mesh.face_areas > 0, size * float(np.median(mesh.face_areas))
+    floating, label = 0, np.zeros(mesh.n_faces, dtype=np.int32)
+    while True:
+        label = felzenszwalb(mesh.n_faces, links, weights, threshold=threshold, min_size=size, order=order)
+        count = np.bincount(label)
+        # what is still below the minimum has no neighbour within reach: crumbs that float in the air
+        is_floating = (count < size) & (np.bincount(label, mesh.face_areas) < crumb)
+        if count.max() < size:
+            is_floating[:] = False
+        is_floating |= np.bincount(label, has_area) == 0
+        floating = int(count[is_floating].sum())
+        n_left = int((~is_floating).sum())
+        if n_left <= n_items or size > mesh.n_faces:
+            break
+        size *= 1.4
+        monitor.tick(0.8)
+    item = np.where(is_floating, -1, np.cumsum(~is_floating) - 1).astype(np.int32)[label]
+    report = {
+        "superfacets": n_left,
+        "smallest superfacet in faces": int(size),
+        "faces floating free of everything": floating,
+        "bridges between fragments": len(bridges),
+    }
+    return _build(mesh, item, item, links, normals, report)
+
+
+def find_bridges(mesh: Mesh, pairs: IntArray, reach: float) -> IntArray:
+    """Pairs of border faces of different components that lie close to each other.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    pairs : (n_pairs, 2) int32
+        Adjacent faces.
+    reach : float
+        Largest distance of the centroids, metres; 0 finds none.
+
+    Returns
+    -------
+    bridges : (n_bridges, 2) int32
+        For each border face of a component other than the largest its nearest border face of another
+        component, if within reach. Of mutual finds one is kept.
+    """
+    n_components, component = connected_components(mesh.n_faces, pairs)
+    if n_components == 1 or reach <= 0:
+        return np.empty((0, 2), dtype=np.int32)
+    border = np.flatnonzero(np.bincount(pairs.ravel(), minlength=mesh.n_faces) < 3)
+    if len(border) == 0:
+        return np.empty((0, 2), dtype=np.int32)
+    points, home = mesh.face_centroids[border], component[border]
+    tree = cKDTree(points)
+    largest = np.bincount(component).argmax()
+    asking = np.flatnonzero(home != largest)
+    found = []
+    k = 4
+    while len(asking):  # look among more and more neighbours until one belongs to another component
+        k = min(k, len(border))
+        distance, near = tree.query(points[asking], k=k, distance_upper_bound=reach, workers=-1)
+        distance, near = distance.reshape(len(asking), -1), near.reshape(len(asking), -1)
+        is_other = np.isfinite(distance)
+        is_other &= np.append(home, -1)[np.minimum(near, len(border))] != home[asking][:, None]
+        hit = is_other.any(axis=1)
+        first = is_other.argmax(axis=1)
+        found.append(np.stack([asking[hit], near[hit, first[hit]]], axis=1))
+        is_exhausted = ~np.isfinite(distance[:, -1]) if k < len(border) else np.ones(len(asking), bool)
+        asking = asking[~hit & ~is_exhausted]
+        if k >= 256:
+            break  # its own component fills the neighbourhood: it is not a small fragment there
+        k *= 4
+    pairs_found = np.sort(border[np.concatenate(found)], axis=1)
+    return np.unique(pairs_found, axis=0).astype(np.int32)
+
+
+def _build(
+    mesh: Mesh,
+    item_of_face: IntArray,
+    face_map: IntArray,
+    face_pairs: IntArray,
+    normals: FloatArray,
+    report: dict[str, Any],
+) -> Items:
+    """Items from a label per face: sums over faces, and the graph of items from the graph of faces."""
+    n = int(item_of_face.max()) + 1
+    moments = face_moments(mesh).gather(item_of_face, n)
+    keep = item_of_face >= 0
+    vectors = np.stack(
+        [np.bincount(item_of_face[keep], v[keep], n) for v in mesh.face_vectors.T], axis=1
+    )
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    item_normals = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
+    ends = item_of_face[face_pairs]
+    is_seam = (ends >= 0).all(axis=1) & (ends[:, 0] != ends[:, 1])
+    ends, faces = np.sort(ends[is_seam], axis=1).astype(np.int64), face_pairs[is_seam]
+    code, seam_pair = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
+    pairs = np.stack([code // n, code % n], axis=1).astype(np.int32)
+    seam_dot = np.einsum("ij,ij->i", normals[faces[:, 0]], normals[faces[:, 1]]).astype(np.float32)
+    centroids = moments.centroid + 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+    return Items(
+        moments.area, centroids, item_normals, moments, pairs, seam_pair.astype(np.int32), seam_dot,
+        mesh, item_of_face, face_map, report,
+    )  # fmt: skip
