@@ -30,20 +30,13 @@ def grid_square(n: int, *, size: float = 1.0) -> Mesh:
 
 
 def box(n: int = 1, *, size: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> Mesh:
-    """Closed box with n × n cells on each side, normals outward; edges shared, corners welded."""
-    flat = grid_square(n).vertices - 0.5
-    up = flat + [0.0, 0.0, 0.5]
-    sides = [np.roll(up, shift, axis=1) * sign for shift in range(3) for sign in (1.0, -1.0)]
-    sides[1], sides[3], sides[5] = (side * flip for side, flip in zip(sides[1::2], _mirrors()))
-    faces = grid_square(n).faces
-    stacked = np.concatenate([faces + k * len(flat) for k in range(6)])
-    vertices, place = np.unique(np.round(np.concatenate(sides), 12), axis=0, return_inverse=True)
-    return Mesh(vertices * size, place.ravel()[stacked])
-
-
-def _mirrors() -> list[list[float]]:
-    # −1 in all three coordinates mirrors a side; undoing it in one coordinate turns it back outward
-    return [[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0]]
+    """Closed box around the origin with n × n cells on each side, normals outward, vertices shared."""
+    top = grid_square(n).vertices + np.array([-0.5, -0.5, 0.5])
+    half_turn = [1.0, -1.0, -1.0]  # about x: the top becomes the bottom, its normals still outward
+    sides = np.concatenate([np.roll(side, k, axis=1) for k in range(3) for side in (top, top * half_turn)])
+    faces = np.concatenate([grid_square(n).faces + k * len(top) for k in range(6)])
+    vertices, place = np.unique(np.round(sides, 12), axis=0, return_inverse=True)
+    return Mesh(vertices * size, place.ravel()[faces])
 
 
 def icosphere(subdivisions: int = 3, *, radius: float = 1.0) -> Mesh:
@@ -68,19 +61,21 @@ def blob(subdivisions: int = 3, *, seed: int = 0) -> Mesh:
 
 def accordion(n_panels: int, *, angle: float = 1.0) -> Mesh:
     """A folding screen: panels of two triangles, each two panels at the same angle (radians), open."""
-    steps = np.stack([np.cos(angle / 2) * np.ones(n_panels), np.sin(angle / 2) * (-1.0) ** np.arange(n_panels)])
+    steps = np.stack(
+        [np.cos(angle / 2) * np.ones(n_panels), np.sin(angle / 2) * (-1.0) ** np.arange(n_panels)]
+    )
     path = np.concatenate([np.zeros((1, 2)), np.cumsum(steps.T, axis=0)])
     low = np.column_stack([path, np.zeros(len(path))])
     i = np.arange(n_panels)
     j = i + n_panels + 1
     faces = np.stack([np.stack([i, i + 1, j + 1], axis=1), np.stack([i, j + 1, j], axis=1)], axis=1)
-    return Mesh(np.concatenate([low, low + [0.0, 0.0, 1.0]]), faces.reshape(-1, 3))
+    return Mesh(np.concatenate([low, low + np.array([0.0, 0.0, 1.0])]), faces.reshape(-1, 3))
 
 
 def joined(*meshes: Mesh, gap: float = 0.0) -> Mesh:
     """Meshes in one, not welded; each moved by ``gap`` in x from the one before."""
     starts = np.cumsum([0] + [mesh.n_vertices for mesh in meshes])
-    vertices = [mesh.vertices + [i * gap, 0.0, 0.0] for i, mesh in enumerate(meshes)]
+    vertices = [mesh.vertices + np.array([i * gap, 0.0, 0.0]) for i, mesh in enumerate(meshes)]
     return Mesh(np.concatenate(vertices), np.concatenate([m.faces + s for m, s in zip(meshes, starts)]))
 
 

@@ -113,9 +113,8 @@ def _normals_everywhere(mesh: Mesh, pairs: IntArray) -> FloatArray:
     _, patch = connected_components(mesh.n_faces, pairs[~is_sound.any(axis=1)])
     rim = pairs[is_sound[:, 0] != is_sound[:, 1]]
     rim = np.where(has_area[rim[:, :1]], rim, rim[:, ::-1])  # a face with area, a face without
-    sums = np.stack(
-        [np.bincount(patch[rim[:, 1]], axis[rim[:, 0]], mesh.n_faces) for axis in mesh.face_vectors.T], axis=1
-    )
+    sums = np.zeros((mesh.n_faces, 3))
+    np.add.at(sums, patch[rim[:, 1]], mesh.face_vectors[rim[:, 0]])
     length = np.linalg.norm(sums, axis=1, keepdims=True)
     around: FloatArray = np.divide(sums, length, out=np.zeros_like(sums), where=length > 0)
     return np.where(has_area[:, None], mesh.face_normals, around[patch])

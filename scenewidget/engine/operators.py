@@ -370,7 +370,10 @@ def _smallest_pairs(
     values[values < 1e-4 * shift] = 0.0  # a second zero mode: a component of degenerate faces
     order = np.argsort(values, kind="stable")
     values = np.concatenate([[0.0], values[order]])
-    phi = np.column_stack([constant, y[:, order]]) / root[:, None]
+    y = y[:, order]
+    y = y - np.outer(constant, constant @ y)
+    y /= np.linalg.norm(y, axis=0)
+    phi = np.column_stack([constant, y]) / root[:, None]
     return values, _with_fixed_signs(phi)
 
 
