@@ -17,6 +17,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from scenewidget import datasets, engine
     from scenewidget.engine.mesh import Mesh, MeshError, load_mesh
+    from scenewidget.engine.monitor import Cancelled
+    from scenewidget.engine.params import Params
+    from scenewidget.engine.pipeline import Pipeline, segment
     from scenewidget.engine.segmentation import Segmentation
 
 _HOME = {  # public name -> module that defines it; resolved on first use, so that importing stays fast
@@ -24,10 +27,26 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "MeshError": "engine.mesh",
     "load_mesh": "engine.mesh",
     "Segmentation": "engine.segmentation",
+    "Cancelled": "engine.monitor",
+    "Params": "engine.params",
+    "Pipeline": "engine.pipeline",
+    "segment": "engine.pipeline",
 }
 _MODULES = ("datasets", "engine")
 
-__all__ = ["Mesh", "MeshError", "Segmentation", "__version__", "datasets", "engine", "load_mesh"]
+__all__ = [
+    "Cancelled",
+    "Mesh",
+    "MeshError",
+    "Params",
+    "Pipeline",
+    "Segmentation",
+    "__version__",
+    "datasets",
+    "engine",
+    "load_mesh",
+    "segment",
+]
 
 
 def __getattr__(name: str) -> Any:

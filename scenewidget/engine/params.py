@@ -1,0 +1,274 @@
+"""Every option of the method in one frozen record, with two presets.
+
+`Params()` is our best; `Params.thesis()` is faithful to Küçükdemir (2020) in every stage. Both run through
+the same code.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+from scenewidget.engine.consensus import Leftover
+from scenewidget.engine.ensemble import Allocation
+from scenewidget.engine.kmedoids import Init
+from scenewidget.engine.preprocess import Simplifier
+
+__all__ = ["Consensus", "Feature", "ItemKind", "Params"]
+
+ItemKind = Literal["superfacets", "simplified"]
+Feature = Literal["normals", "cotangent", "uniform", "gps", "hks", "wks"]
+Consensus = Literal["peac", "linkage", "median"]
+
+_CHOICES: dict[str, tuple[Any, ...]] = {
+    "items": get_args(ItemKind),
+    "simplifier": get_args(Simplifier),
+    "feature": get_args(Feature),
+    "laplacian": ("cotangent", "robust"),
+    "dihedral_order": ("index", "area"),
+    "allocation": get_args(Allocation),
+    "init": get_args(Init),
+    "consensus": get_args(Consensus),
+    "leftover": get_args(Leftover),
+}
+_RANGES: dict[str, tuple[float, float]] = {  # inclusive
+    "n_items": (2, 40_000),
+    "filter_sweeps": (0, 1_000),
+    "bridge": (0, math.inf),
+    "n_slots": (2, 100_000),
+    "n_eigenpairs": (1, 1_000),
+    "feature_floor": (0, math.inf),
+    "cost_a": (-math.inf, math.inf),
+    "cost_b": (-math.inf, math.inf),
+    "cost_exponent": (0, 100),
+    "hop": (0, math.inf),
+    "travel": (0, math.inf),
+    "n_runs": (0, 10_000),
+    "n_graph_runs": (0, 10_000),
+    "merge_flatness": (0, 1),
+    "merge_normal": (0, 1),
+    "merge_seam": (-1, 1),
+    "linkage_similarity": (0, 1),
+    "min_area": (0, math.inf),
+    "seed": (0, 2**63 - 1),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Params:
+    """Options of `segment`; make variants with ``params.replace(n_segments=30)``.
+
+    The defaults are our best preset. Options that the thesis does not have, or has with another value,
+    say so with "thesis:".
+
+    Parameters
+    ----------
+    n_segments : int or "auto"
+        S, the number of segments aimed at. With ``consensus="peac"`` the number of rows of Y, shared out
+        over the components; the result has more where columns stay alone or are cut into connected
+        pieces. With "linkage" the tree is cut where it has that many clusters of at least ``min_area``,
+        and "auto" cuts it at ``linkage_similarity``. "median" needs no number and ignores it.
+    k_range : (int, int), optional
+        Least and most clusters of a k-medoids run. None means (2S, 2.5S) (thesis 4.2); with "auto" (100, 125).
+    cost_exponent : float
+        C of Eq. 3.9: cost = max(A + B⟨N_x, N_y⟩, 0)^C. Thesis: 1.5 (its f2).
+    cost_a, cost_b : float
+        A and B of Eq. 3.9.
+    feature : str
+        What neighbouring items are compared by (thesis 3.2–3.3): "cotangent" or "uniform" δ-coordinates,
+        "gps", "hks", "wks" signatures; "normals" leaves it to the cost alone. Thesis: "cotangent".
+    items : str
+        "superfacets" of the raw mesh, or faces of the "simplified" one. Thesis: "simplified".
+    n_items : int
+        Most items. Thesis: 10 000.
+    simplifier : str
+        "fast" or "qslim"; see `preprocess.simplify`.
+    filter_sweeps : int
+        Sweeps of the normal filter under the superfacets.
+    bridge : float
+        Fragments this close (metres) are neighbours, superfacets only.
+    n_slots : int
+        D of the dihedral-based partitioning (thesis 3.1).
+    dihedral_order : str
+        In which order its seeds are taken: "index" or "area" of the faces.
+    laplacian : str
+        "cotangent", or "robust": intrinsic Delaunay (Sharp and Crane 2020).
+    n_eigenpairs : int
+        Length of the spectral signatures (thesis: 50).
+    feature_floor : float
+        d0 of `distances.edge_weights`, as a share of the 95 % quantile. Thesis: 0.
+    hop, travel : float
+        Added to each edge, and per metre of it. Thesis: 0.
+    convex_weights : tuple of float
+        What a convex edge's weight is multiplied by, in turn over the runs. Thesis: (1,).
+    n_runs : int
+        k-medoids runs, E. (The thesis never states it.)
+    n_graph_runs : int
+        Felzenszwalb runs at random thresholds that join the ensemble. Thesis: 0.
+    init : str
+        Initial medoids; see `kmedoids.k_medoids`.
+    allocation : str
+        How k and S are shared out over components: by "dihedral" partitions, by "faces" (items), or the
+        "same" for each (thesis 3.1 names all three).
+    merge : bool
+        Whether runs are merged over planes before they join the ensemble (thesis: yes).
+    merge_flatness, merge_normal, merge_seam : float
+        Thresholds of that; see `ensemble.merge_flat`.
+    consensus : str
+        "peac", "linkage" or "median". Thesis: "peac".
+    linkage_similarity : float
+        Mean co-association down to which "linkage" merges under ``n_segments="auto"``.
+    leftover : str
+        "alone", "argmax" or "linkage"; see `consensus.settle_leftovers`. Thesis: "alone".
+    join_planes : bool
+        Whether pieces of one wall or floor that don't touch are joined. Thesis: no.
+    min_area : float
+        Segments below this area (m²) go to a neighbour. Thesis: 0.
+    seed : int
+        Same seed, same labels, whatever the number of threads.
+    """
+
+    n_segments: int | Literal["auto"] = 50
+    k_range: tuple[int, int] | None = None
+    cost_exponent: float = 1.0
+    cost_a: float = 1.0
+    cost_b: float = -1.0
+    feature: Feature = "normals"
+    items: ItemKind = "superfacets"
+    n_items: int = 6_000
+    simplifier: Simplifier = "fast"
+    filter_sweeps: int = 30
+    bridge: float = 0.06
+    n_slots: int = 64
+    dihedral_order: Literal["index", "area"] = "index"
+    laplacian: Literal["cotangent", "robust"] = "cotangent"
+    n_eigenpairs: int = 50
+    feature_floor: float = 0.05
+    hop: float = 0.02
+    travel: float = 1e-4
+    convex_weights: tuple[float, ...] = (0.05, 0.2, 1.0)
+    n_runs: int = 30
+    n_graph_runs: int = 30
+    init: Init = "random"
+    allocation: Allocation = "dihedral"
+    merge: bool = False
+    merge_flatness: float = 0.008
+    merge_normal: float = 0.99
+    merge_seam: float = 0.99
+    consensus: Consensus = "linkage"
+    linkage_similarity: float = 0.7
+    leftover: Leftover = "alone"
+    join_planes: bool = True
+    min_area: float = 0.02
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):
+            object.__setattr__(self, field.name, self._checked(field.name, getattr(self, field.name)))
+        if self.n_runs + self.n_graph_runs < 1:
+            raise ValueError("n_runs + n_graph_runs must be at least 1: an ensemble needs a member")
+
+    @classmethod
+    def thesis(cls, n_segments: int = 50, **changes: Any) -> Params:
+        """The faithful preset, δ_cot with f2 unless told otherwise (thesis 4.2)."""
+        preset: dict[str, Any] = {
+            "n_segments": n_segments,
+            "cost_exponent": 1.5,
+            "feature": "cotangent",
+            "items": "simplified",
+            "n_items": 10_000,
+            "feature_floor": 0.0,
+            "hop": 0.0,
+            "travel": 0.0,
+            "convex_weights": (1.0,),
+            "n_runs": 50,
+            "n_graph_runs": 0,
+            "merge": True,
+            "consensus": "peac",
+            "join_planes": False,
+            "min_area": 0.0,
+        }
+        return cls().replace(**(preset | changes))
+
+    def replace(self, **changes: Any) -> Params:
+        """A copy with some options changed.
+
+        Raises
+        ------
+        TypeError
+            A name that is no option; the message suggests the nearest one.
+        ValueError
+            A value out of range.
+        """
+        names = [field.name for field in dataclasses.fields(self)]
+        for name in changes:
+            if name not in names:
+                import difflib
+
+                close = difflib.get_close_matches(name, names, n=1)
+                hint = f"; did you mean {close[0]!r}?" if close else f"; options are {', '.join(names)}"
+                raise TypeError(f"Params has no option {name!r}{hint}")
+        return dataclasses.replace(self, **changes)
+
+    @property
+    def k_bounds(self) -> tuple[int, int]:
+        """The k-range in force: as given, or (2S, 2.5S)."""
+        if self.k_range is not None:
+            return self.k_range
+        s = 50 if self.n_segments == "auto" else self.n_segments
+        return 2 * s, (5 * s) // 2
+
+    @staticmethod
+    def _checked(name: str, value: Any) -> Any:
+        if name in _CHOICES:
+            if value not in _CHOICES[name]:
+                options = ", ".join(map(repr, _CHOICES[name]))
+                raise ValueError(f"{name} must be one of {options}, got {value!r}")
+            return value
+        if name in ("merge", "join_planes"):
+            if not isinstance(value, bool):
+                raise TypeError(f"{name} must be True or False, got {value!r}")
+            return value
+        if name == "n_segments":
+            if value == "auto":
+                return value
+            return _whole(name, value, 1, 10_000)
+        if name == "k_range":
+            return value if value is None else _k_range(value)
+        if name == "convex_weights":
+            return _convex_weights(value)
+        low, high = _RANGES[name]
+        if name.startswith("n_") or name in ("filter_sweeps", "seed"):
+            return _whole(name, value, low, high)
+        if isinstance(value, bool) or not hasattr(value, "__float__") or isinstance(value, str):
+            raise TypeError(f"{name} must be a number, got {value!r}")
+        if not low <= float(value) <= high or math.isinf(float(value)):
+            raise ValueError(f"{name} must lie in {low}..{high}, got {value}")
+        return float(value)
+
+
+def _whole(name: str, value: Any, low: float, high: float) -> int:
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        raise TypeError(f"{name} must be a whole number, got {value!r}")
+    if not low <= int(value) <= high:
+        raise ValueError(f"{name} must lie in {low:g}..{high:g}, got {value}")
+    return int(value)
+
+
+def _k_range(value: Any) -> tuple[int, int]:
+    if not isinstance(value, (tuple, list)) or len(value) != 2:
+        raise TypeError(f"k_range must be None or two whole numbers (least, most), got {value!r}")
+    least, most = (_whole("k_range", k, 1, 40_000) for k in value)
+    if least > most:
+        raise ValueError(f"k_range must be (least, most), got {value!r}")
+    return least, most
+
+
+def _convex_weights(value: Any) -> tuple[float, ...]:
+    if not isinstance(value, (tuple, list)) or not value:
+        raise TypeError(f"convex_weights must be a tuple of numbers, got {value!r}")
+    if not all(isinstance(w, (int, float)) and 0 < w < math.inf for w in value):
+        raise ValueError(f"convex_weights must be positive numbers, got {value!r}")
+    return tuple(float(w) for w in value)
