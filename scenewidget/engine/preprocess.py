@@ -94,7 +94,7 @@ def simplify(
     coverage: float = 0.98,
     smallest: float = 0.005,
     smallest_simplified: float = 0.01,
-    tolerance: float = 1.0,
+    tolerance: float = 2.0,
     monitor: Monitor | None = None,
 ) -> Simplified:
     """Simplify the large components by quadric error metrics and map the result back (thesis 3.1).
@@ -112,7 +112,7 @@ def simplify(
     coverage, smallest : float
         See `keep_components`.
     smallest_simplified : float
-        Components below this share of the simplified faces are dropped. Pieces that the simplifier tore
+        Components below this share of the simplified and of the raw faces are dropped. Pieces that the simplifier tore
         off count with the component that they came from.
     tolerance : float
         A raw face stays unlabeled if it lies farther from the simplified surface than this share of the
@@ -156,6 +156,8 @@ def simplify(
     origin = np.full(piece_count, -1, dtype=np.int64)
     origin[piece[face_map[kept_faces]]] = component[kept_faces]
     share = np.bincount(origin[piece] + 1, minlength=n_components + 1) / small.n_faces
+    raw_share = np.bincount(component + 1, minlength=n_components + 1) / len(kept_faces)
+    share = np.maximum(share, raw_share)  # what the simplifier thinned out does not count as small
     share[0] = 0.0  # pieces that no raw face is nearest to
     is_large = share >= min(smallest_simplified, share.max())
     stays = is_large[origin[piece] + 1]
