@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from scenewidget.engine.params import Params
     from scenewidget.engine.pipeline import Pipeline, segment
     from scenewidget.engine.segmentation import Segmentation
+    from scenewidget.widget.scene_view import SceneView
+    from scenewidget.widget.scene_widget import SceneWidget
 
 _HOME = {  # public name -> module that defines it; resolved on first use, so that importing stays fast
     "Mesh": "engine.mesh",
@@ -31,6 +33,8 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "Params": "engine.params",
     "Pipeline": "engine.pipeline",
     "segment": "engine.pipeline",
+    "SceneView": "widget.scene_view",
+    "SceneWidget": "widget.scene_widget",
 }
 _MODULES = ("datasets", "engine")
 
@@ -40,6 +44,8 @@ __all__ = [
     "MeshError",
     "Params",
     "Pipeline",
+    "SceneView",
+    "SceneWidget",
     "Segmentation",
     "__version__",
     "datasets",

@@ -68,8 +68,8 @@ class Params:
     n_segments : int or "auto"
         S, the number of segments aimed at. With ``consensus="peac"`` the number of rows of Y, shared out
         over the components; the result has more where columns stay alone or are cut into connected
-        pieces. With "linkage" the tree is cut where it has that many clusters of at least ``min_area``,
-        and "auto" cuts it at ``linkage_similarity``. "median" needs no number and ignores it.
+        pieces. With "linkage" the tree is cut where it has that many clusters of at least 0.1 % of the
+        area (smaller ones come on top), and "auto" cuts it at ``linkage_similarity``. "median" needs no number and ignores it.
     k_range : (int, int), optional
         Least and most clusters of a k-medoids run. None means (2S, 2.5S) (thesis 4.2); with "auto" (100, 125).
     cost_exponent : float

@@ -292,7 +292,6 @@ def stages(params: Params) -> dict[str, Stage]:
                 "tree",
                 n_segments=p.n_segments,
                 similarity=p.linkage_similarity,
-                min_area=p.min_area,
             )
         )
     elif p.consensus == "median":
@@ -514,27 +513,31 @@ def _consensus_linkage(
     monitor: Monitor,
     n_segments: Any,
     similarity: float,
-    min_area: float,
 ) -> IntArray:
     if n_segments == "auto":
         return cut_tree(tree, similarity=similarity)
-    return cut_tree(tree, n_clusters=_cut_with(tree, co.weights, n_segments, min_area))
+    return cut_tree(tree, n_clusters=_cut_with(tree, co.weights, n_segments))
 
 
-def _cut_with(tree: FloatArray, weights: FloatArray, n_segments: int, min_area: float) -> int:
-    """Number of clusters of the coarsest cut that has ``n_segments`` clusters of at least ``min_area``."""
+def _cut_with(tree: FloatArray, weights: FloatArray, n_segments: int) -> int:
+    """Number of clusters of the coarsest cut with ``n_segments`` clusters of at least 0.1 % of the area.
+
+    Crumbs don't count, or they would use up the number. Where no cut has that many, the one with most.
+    """
     n = len(weights)
     area = np.concatenate([weights, np.zeros(len(tree))])
     for step, (left, right) in enumerate(tree[:, :2].astype(int)):
         area[n + step] = area[left] + area[right]
-    is_large = area >= min_area
-    count = int(is_large[-1])
+    is_large = area >= 0.001 * float(weights.sum())
+    count, most, best = 1, 1, 1
     for step in range(len(tree) - 1, -1, -1):  # from the root down
         if count >= n_segments:
-            return len(tree) - step
+            break
         left, right = tree[step, :2].astype(int)
         count += int(is_large[left]) + int(is_large[right]) - int(is_large[n + step])
-    return n
+        if count > most:
+            most, best = count, len(tree) - step + 1
+    return best
 
 
 def _consensus_median(mesh: Mesh, co: CoAssociation, *, monitor: Monitor, seed: int) -> IntArray:

@@ -1,0 +1,213 @@
+"""The whole tool in a cell: the scan in 3D, its segmentation, and the sliders that change it.
+
+`SceneWidget` translates between the view, the sliders and a `Pipeline`; everything that it can do, a
+script can do without it. The engine runs in one worker thread, so the notebook stays usable.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import ipywidgets as widgets
+import traitlets
+
+from scenewidget.engine.mesh import Mesh
+from scenewidget.engine.params import Params
+from scenewidget.engine.pipeline import Pipeline
+from scenewidget.engine.segmentation import LEVELS, Segmentation
+from scenewidget.widget.controls import ParamsControls
+from scenewidget.widget.scene_view import SceneView
+from scenewidget.widget.worker import Worker
+
+__all__ = ["SceneWidget"]
+
+STAGE_NAMES = {
+    "adjacency": "Finding neighbouring faces",
+    "items": "Gathering faces into items",
+    "dihedral": "Partitioning by dihedral angle",
+    "allocation": "Sharing out clusters over components",
+    "eigenbasis": "Solving for eigenfunctions",
+    "features": "Computing features",
+    "distances": "Measuring distances",
+    "ensemble": "Clustering many times",
+    "coassociation": "Comparing the clusterings",
+    "tree": "Building the consensus tree",
+    "consensus": "Finding the consensus",
+    "segmentation": "Labeling every face",
+}
+
+
+class SceneWidget(widgets.VBox):
+    """Segment a scan and look at it; it displays itself as the last value of a cell.
+
+    The scan shows at once, the segments as soon as they are computed. ``params`` and ``segmentation`` are
+    traits: set the first to compute again, observe the second to be told of results.
+
+    Parameters
+    ----------
+    mesh : Mesh, path, trimesh.Trimesh or (vertices, faces)
+    params : Params, optional
+        `Params()` by default.
+    height : int
+        Of the picture, in pixels.
+
+    Attributes
+    ----------
+    params : Params
+    segmentation : Segmentation or None
+        The last good result; None before the first.
+    busy : bool
+    view : SceneView
+        The picture: colours, level, camera.
+    controls : ParamsControls
+        The sliders.
+    pipeline : Pipeline
+
+    Raises
+    ------
+    MeshError, TypeError, FileNotFoundError
+        The mesh can't be read or worked with; nothing is computed.
+    """
+
+    params = traitlets.Instance(Params)
+    segmentation = traitlets.Instance(Segmentation, allow_none=True)
+    busy = traitlets.Bool(False, read_only=True)
+
+    def __init__(self, mesh: Mesh | Any, params: Params | None = None, *, height: int = 560) -> None:
+        if params is not None and not isinstance(params, Params):
+            raise TypeError(f"params must be a Params, got {type(params).__name__}")
+        params = params or Params()
+        self.pipeline = Pipeline(mesh)
+        self.view = SceneView(self.pipeline.mesh, height=height)
+        self.controls = ParamsControls(params, self._set_params, self._compute)
+        self._lock = threading.RLock()
+        self._error: BaseException | None = None
+        self._shown_params: Params | None = None
+        self._started = 0.0
+        self._worker = Worker(
+            on_progress=self._show_progress,
+            on_done=self._show_result,
+            on_error=self._show_error,
+            on_cancelled=self._show_cancelled,
+        )
+        super().__init__([self.view, self.controls], params=params)
+        self.view.on_msg(self._handle_message)
+        self.observe(self._take_params, "params")
+        self._compute()
+
+    def __repr__(self) -> str:
+        segments = "" if self.segmentation is None else f", {self.segmentation.n_segments} segments"
+        return f"SceneWidget({self.mesh.n_faces} faces{segments})"
+
+    @property
+    def mesh(self) -> Mesh:
+        """The scan, as loaded."""
+        return self.pipeline.mesh
+
+    def wait(self, timeout: float | None = 60.0) -> Segmentation:
+        """Block until the computation has ended, for scripts and tests.
+
+        Parameters
+        ----------
+        timeout : float or None
+            Seconds; None waits for ever.
+
+        Returns
+        -------
+        Segmentation
+
+        Raises
+        ------
+        TimeoutError
+            It still runs; it is not cancelled.
+        Exception
+            Whatever the computation raised.
+        RuntimeError
+            It was cancelled before there was any result.
+        """
+        if not self._worker.wait(timeout):
+            raise TimeoutError(f"still {self.view.status or 'computing'!r} after {timeout:g} seconds")
+        with self._lock:
+            if self._error is not None:
+                raise self._error
+            if self.segmentation is None:
+                raise RuntimeError("cancelled before there was a result; set params to compute again")
+            return self.segmentation
+
+    def cancel(self) -> None:
+        """Stop the computation; the last good result stays."""
+        self._worker.cancel()
+
+    def close(self) -> None:
+        """Stop the computation and take the widget off the page."""
+        self._worker.cancel()
+        self.view.close()
+        super().close()
+
+    def _set_params(self, params: Params) -> None:
+        self.params = params
+
+    def _take_params(self, change: dict[str, Any]) -> None:
+        self.controls.show(change["new"])
+        self._compute()
+
+    def _compute(self) -> None:
+        params = self.params
+        with self._lock:
+            self._error = None
+            self._started = time.perf_counter()
+            self.set_trait("busy", True)
+            self.view.error = ""
+            self.view.status, self.view.progress, self.view.busy = "Starting", 0.0, True
+            self.controls.rerun.disabled = True
+
+        def task(progress: Callable[[str, float], None], cancel: threading.Event) -> Any:
+            return params, self.pipeline.run(params, progress=progress, cancel=cancel)
+
+        self._worker.submit(task)
+
+    def _handle_message(self, _: Any, message: Any, __: Any) -> None:
+        if isinstance(message, dict) and message.get("kind") == "cancel":
+            self.cancel()
+
+    def _show_progress(self, stage: str, fraction: float) -> None:
+        with self._lock, self.view.hold_sync():
+            self.view.status = STAGE_NAMES.get(stage, stage)
+            self.view.progress = fraction
+
+    def _show_result(self, result: tuple[Params, Segmentation]) -> None:
+        params, segmentation = result
+        names = {i: name for i, name in enumerate(segmentation.names) if name}
+        with self._lock:
+            self.view.set_partition(
+                {level: segmentation.level(level) for level in LEVELS}, segmentation.labels, names
+            )
+            self._shown_params = params
+            self.segmentation = segmentation
+            seconds = time.perf_counter() - self._started
+            self._end(
+                f"{segmentation.n_segments} segments in {seconds:.1f} s, "
+                f"{segmentation.coverage:.1%} of the faces labeled"
+            )
+
+    def _show_error(self, error: BaseException) -> None:
+        with self._lock:
+            self._error = error
+            self.view.error = f"{type(error).__name__}: {error}"
+            self._end("The computation failed" + self._what_stays())
+
+    def _show_cancelled(self) -> None:
+        with self._lock:
+            self._end("Cancelled" + self._what_stays())
+
+    def _what_stays(self) -> str:
+        return "" if self.segmentation is None else "; the picture shows the result before"
+
+    def _end(self, summary: str) -> None:
+        self.controls.summary.value = f"<span>{summary}</span>"
+        self.controls.rerun.disabled = self._shown_params == self.params
+        self.view.status, self.view.progress, self.view.busy = summary, 1.0, False
+        self.set_trait("busy", False)

@@ -1,0 +1,106 @@
+"""One computation at a time, off the main thread, the newest request winning.
+
+Goes in: a function that takes a `Monitor`'s progress and cancel. Comes out: its result, its error or the
+news that it was cancelled, by callbacks from the worker's thread, never from a request that is stale.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from scenewidget.engine.monitor import Cancelled
+
+__all__ = ["Worker"]
+
+Task = Callable[[Callable[[str, float], None], threading.Event], Any]
+
+
+class Worker:
+    """Runs the latest task that was submitted.
+
+    Parameters
+    ----------
+    on_progress : callable (stage, fraction)
+    on_done : callable (result)
+    on_error : callable (exception)
+    on_cancelled : callable ()
+        Called only when `cancel` was asked for, not when a newer task took over.
+    """
+
+    def __init__(
+        self,
+        *,
+        on_progress: Callable[[str, float], None],
+        on_done: Callable[[Any], None],
+        on_error: Callable[[BaseException], None],
+        on_cancelled: Callable[[], None],
+    ) -> None:
+        self._on_progress, self._on_done = on_progress, on_done
+        self._on_error, self._on_cancelled = on_error, on_cancelled
+        self._condition = threading.Condition()
+        self._revision = 0
+        self._pending: tuple[int, Task] | None = None
+        self._cancel = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether something runs or waits to run."""
+        with self._condition:
+            return self._thread is not None
+
+    def submit(self, task: Task) -> None:
+        """Run a task as soon as the one under way has heard that it is no longer wanted."""
+        with self._condition:
+            self._revision += 1
+            self._pending = (self._revision, task)
+            self._cancel.set()
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._run, name="scenewidget", daemon=True)
+                self._thread.start()
+
+    def cancel(self) -> None:
+        """Stop what runs and drop what waits; `on_cancelled` tells when that is done."""
+        with self._condition:
+            self._pending = None
+            self._cancel.set()
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Block until nothing runs or waits; False if the time ran out first."""
+        with self._condition:
+            return self._condition.wait_for(lambda: self._thread is None, timeout)
+
+    def _run(self) -> None:
+        while True:
+            with self._condition:
+                if self._pending is None:
+                    self._thread = None
+                    self._condition.notify_all()
+                    return
+                revision, task = self._pending
+                self._pending = None
+                self._cancel = cancel = threading.Event()
+            self._perform(revision, task, cancel)
+
+    def _perform(self, revision: int, task: Task, cancel: threading.Event) -> None:
+        def report(stage: str, fraction: float) -> None:
+            if not cancel.is_set():
+                self._on_progress(stage, fraction)
+
+        def was_replaced() -> bool:
+            with self._condition:
+                return revision != self._revision
+
+        try:
+            result = task(report, cancel)
+            if cancel.is_set():
+                raise Cancelled("cancelled at the end")
+            self._on_done(result)
+        except Cancelled:
+            if not was_replaced():
+                self._on_cancelled()
+        except BaseException as error:  # handed to whoever waits; a thread must not die silently
+            if not was_replaced():
+                self._on_error(error)
