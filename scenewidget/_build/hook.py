@@ -114,7 +114,11 @@ def install_packages(work: Path) -> None:
     ]
     reason = unreachable_reason(work)
     if reason is None:
-        run([*packages, "--fetch-retries=1", "--fetch-timeout=60000", "--prefer-offline"], work, INSTALL_SECONDS)
+        run(
+            [*packages, "--fetch-retries=1", "--fetch-timeout=60000", "--prefer-offline"],
+            work,
+            INSTALL_SECONDS,
+        )
         return
     try:
         run([*packages, "--offline"], work, OFFLINE_SECONDS)

@@ -19,8 +19,9 @@ __all__ = ["adjacent_segments", "choose_colors", "inherited_colors", "palette"]
 UNLABELLED = -1
 
 # lightness and chroma of the rings of the palette, calm ones first; hues are staggered from ring to ring
-RINGS = ((0.80, 0.085), (0.70, 0.125), (0.60, 0.135), (0.87, 0.095), (0.51, 0.12))
+RINGS = ((0.82, 0.075), (0.74, 0.12), (0.66, 0.135), (0.89, 0.09), (0.58, 0.13))
 N_HUES = 13
+ENOUGH = 0.15  # Oklab distance beyond which more makes nothing clearer
 
 PROTANOPIA = np.array(
     [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]
@@ -44,7 +45,7 @@ def choose_colors(
     """A row of the palette for each segment, (n_segments,).
 
     Goes through the segments from large to small and takes the colour that differs most from those of the
-    neighbours and is used least; large segments prefer calm colours.
+    neighbours, then of all others, and is used least; large segments prefer light and pale colours.
 
     Parameters
     ----------
@@ -55,18 +56,19 @@ def choose_colors(
     known : (n_segments,) int, optional
         Colours that are settled; -1 = choose.
     """
-    difference, chroma = _differences(), _chroma()
+    difference, loudness = _differences(), _loudness()
     chosen = np.full(n_segments, -1) if known is None else known.copy()
-    uses = np.bincount(chosen[chosen >= 0], minlength=len(chroma)).astype(float)
+    uses = np.bincount(chosen[chosen >= 0], minlength=len(loudness)).astype(float)
     start, others = _neighbour_lists(neighbours, n_segments)
     for segment in np.argsort(-shares, kind="stable"):
         if chosen[segment] >= 0:
             continue
         around = chosen[others[start[segment] : start[segment + 1]]]
         around = around[around >= 0]
-        contrast = difference[around].min(axis=0) if len(around) else np.full(len(chroma), difference.max())
-        is_calm_enough = np.minimum(contrast, 0.22)  # beyond this, more contrast makes nothing clearer
-        color = int(np.argmax(is_calm_enough - 0.05 * uses - 2.0 * shares[segment] * chroma))
+        contrast = difference[around].min(axis=0) if len(around) else np.full(len(loudness), difference.max())
+        elsewhere = difference[chosen[chosen >= 0]].min(axis=0, initial=ENOUGH)
+        clarity = np.minimum(contrast, ENOUGH) + 0.5 * elsewhere - 0.05 * uses
+        color = int(np.argmax(clarity - min(1.0, 4.0 * shares[segment]) * loudness))
         chosen[segment] = color
         uses[color] += 1
     return chosen
@@ -125,9 +127,11 @@ def _differences() -> FloatArray:
 
 
 @cache
-def _chroma() -> FloatArray:
-    chroma: FloatArray = np.linalg.norm(_oklab(_linear_palette())[:, 1:], axis=1)
-    return chroma
+def _loudness() -> FloatArray:
+    """(n_colors,) how dark and how saturated."""
+    lab = _oklab(_linear_palette())
+    loudness: FloatArray = np.linalg.norm(lab[:, 1:], axis=1) + 0.5 * (0.9 - lab[:, 0])
+    return loudness
 
 
 @cache

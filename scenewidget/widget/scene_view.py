@@ -6,8 +6,9 @@ cross as *atoms*, the common refinement of all levels and segments, so that an e
 
 State, synced both ways (observe or set any of them)
 ----------------------------------------------------
-``color_by`` : ``"segments"``, ``"parts"`` (of ``level``), ``"scan"`` (vertex colours), ``"shaded"``, ``"values"``
-    What a face's colour tells. Starts as the scan; the first `set_partition` switches it to segments.
+``color_by`` : ``"segments"``, ``"parts"``, ``"scan"``, ``"shaded"``, ``"values"``
+    What a face's colour tells: its segment, its part at ``level``, the scan's vertex colours, nothing, or the
+    number of `set_values`. Starts as the scan; the first `set_partition` switches it to segments.
 ``color_mix`` : 0 to 1
     1 = those colours alone, 0 = only the scan below them.
 ``level`` : name of a level

@@ -118,7 +118,7 @@ export function projectionView(camera, aspect, { middle, radius }) {
  * @param {number} margin  part of the picture left free
  * @returns {Camera}
  */
-export function fit(camera, points, aspect, margin = 0.06) {
+export function fit(camera, points, aspect, margin = 0.1) {
   const { right, up, forward } = frame(camera);
   const ty = TANGENT * (1 - margin);
   const tx = TANGENT * aspect * (1 - margin);
@@ -150,29 +150,37 @@ export function fit(camera, points, aspect, margin = 0.06) {
 }
 
 /**
- * Directions from which to look first: from outside and above, so that removed back faces open the room,
- * across its corners, and from the side where most of the surface faces us.
+ * Direction from which to look first: from outside and above, so that removed back faces open the room, across
+ * its corners, from the side where most of the surface faces us. What can only be seen from below, such as a
+ * fragment in the coordinates of its depth camera (z away from it, y down), is seen as that camera saw it.
  * @param {Float32Array} normals  area-weighted normals of some faces, one after another
  * @returns {{ yaw: number, pitch: number }}
  */
 export function firstDirection(normals) {
   const axis = mainAxis(normals);
-  let best = { yaw: axis - Math.PI / 3, score: -1 };
-  for (let side = 0; side < 4; side++) {
-    for (const offset of [Math.PI / 3, Math.PI / 6]) {
-      const yaw = axis + (side * Math.PI) / 2 - offset;
-      const [x, y, z] = scaled(
-        frame({ target: [0, 0, 0], yaw, pitch: FIRST_PITCH, distance: 1 }).forward,
-        -1,
-      );
-      let score = 0;
-      for (let i = 0; i < normals.length; i += 3) {
-        score += Math.max(0, normals[i] * x + normals[i + 1] * y + normals[i + 2] * z);
-      }
-      if (score > best.score * 1.02) best = { yaw, score };
-    }
+  const quarter = Math.PI / 2;
+  const above = [1, 2, 3, 4].flatMap((side) =>
+    [2 / 3, 1 / 3].map((turn) => ({ yaw: axis + (side - turn) * quarter, pitch: FIRST_PITCH })),
+  );
+  const seen = above.map((direction) => facingArea(normals, direction));
+  const most = Math.max(...seen);
+  const below = { yaw: -quarter, pitch: -0.85 * quarter };
+  if (facingArea(normals, below) > 4 * most) return below;
+  return above[seen.findIndex((area) => area >= 0.98 * most)];
+}
+
+/**
+ * Area of the faces that show their front, as seen in a direction.
+ * @param {Float32Array} normals
+ * @param {{ yaw: number, pitch: number }} direction
+ */
+function facingArea(normals, { yaw, pitch }) {
+  const [x, y, z] = frame({ target: [0, 0, 0], yaw, pitch, distance: 1 }).eye;
+  let area = 0;
+  for (let i = 0; i < normals.length; i += 3) {
+    area += Math.max(0, normals[i] * x + normals[i + 1] * y + normals[i + 2] * z);
   }
-  return { yaw: best.yaw, pitch: FIRST_PITCH };
+  return area;
 }
 
 /**

@@ -44,7 +44,13 @@ function render({ model, el }) {
       onFirstFrame: () => {
         root.dataset.ready = "true";
       },
-      onRest: () => hover(pointer),
+      onMove: () => {
+        root.dataset.moving = "true";
+      },
+      onRest: () => {
+        root.dataset.moving = "false";
+        hover(pointer);
+      },
     });
   } catch (error) {
     panel.showFailure(

@@ -102,7 +102,7 @@ export function createPanel(host, actions) {
   const dismiss = element("button", { class: "sw-text-button", type: "button" }, ["Dismiss"]);
   const error = element("div", { class: "sw-error", role: "alert", hidden: "" }, [errorText, dismiss]);
 
-  const helpList = element("dl", { class: "sw-keys" });
+  const helpList = element("div", { class: "sw-keys" });
   const closeHelp = element("button", { class: "sw-text-button", type: "button" }, ["Close"]);
   const helpCard = element(
     "div",
@@ -133,6 +133,7 @@ export function createPanel(host, actions) {
       "data-busy": "false",
       "data-segments": "0",
       "data-hovered": "",
+      "data-moving": "true",
     },
     [canvas, tools, legend, status, track, busy, error, helpCard],
   );
@@ -220,7 +221,7 @@ export function createPanel(host, actions) {
       }
       const keys = state.mode === "edit" ? [...EDIT_HELP, ...NAVIGATION_HELP.slice(1)] : NAVIGATION_HELP;
       helpList.replaceChildren(
-        ...keys.flatMap(([key, what]) => [element("dt", {}, [key]), element("dd", {}, [what])]),
+        ...keys.flatMap(([key, what]) => [element("b", {}, [key]), element("span", {}, [what])]),
       );
       summary = state.summary;
       showStatus();

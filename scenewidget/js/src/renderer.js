@@ -105,7 +105,6 @@ export class SceneRenderer {
       picked: NONE,
       plain: new Vector3(),
       unlabelled: new Vector3(),
-      accent: new Vector3(),
     });
     this.meshScene = new Scene();
     this.reliefScene = screenScene(this.relief);
@@ -234,7 +233,6 @@ export class SceneRenderer {
     this.#uniform("pulse", look.pulse);
     this.picture.uniforms.plain.value.set(...(look.isDark ? [0.78, 0.78, 0.77] : [0.86, 0.855, 0.84]));
     this.picture.uniforms.unlabelled.value.set(...(look.isDark ? [0.5, 0.51, 0.53] : [0.7, 0.7, 0.71]));
-    this.picture.uniforms.accent.value.set(1, 1, 1);
     this.three.setRenderTarget(null);
     this.three.clear();
     this.three.render(this.pictureScene, this.camera);

@@ -36,15 +36,15 @@ layout(location = 0) out vec4 numberAndLight;
 #ifdef HAS_COLORS
 layout(location = 1) out vec4 scan;
 #endif
-const vec3 KEY = normalize(vec3(-0.45, 0.7, 0.6));
-const vec3 FILL = normalize(vec3(0.6, 0.05, 0.8));
+const vec3 KEY = normalize(vec3(-0.4, 0.45, 0.8));
+const vec3 FILL = normalize(vec3(0.75, -0.15, 0.65));
 void main() {
   // the flat normal where the smooth one would round off a crease
   vec3 plane = normalize(cross(dFdx(eyePosition), dFdy(eyePosition)));
   vec3 smoothed = normalize(gl_FrontFacing ? eyeNormal : -eyeNormal);
   float agreement = dot(plane, smoothed);
   vec3 normal = agreement > 0.0 ? normalize(mix(plane, smoothed, smoothstep(0.6, 0.85, agreement))) : plane;
-  float light = 0.62 * (0.35 + 0.65 * dot(normal, KEY)) + 0.38 * max(0.0, dot(normal, FILL));
+  float light = 0.7 * (0.42 + 0.58 * dot(normal, KEY)) + 0.3 * (0.3 + 0.7 * dot(normal, FILL));
   uvec3 bytes = uvec3(faceNumber, faceNumber >> 8, faceNumber >> 16) & 255u;
   numberAndLight = vec4(vec3(bytes) / 255.0, clamp(light, 0.0, 1.0));
 #ifdef HAS_COLORS
@@ -78,14 +78,17 @@ void main() {
   if (here < far * 0.9999) {
     for (int i = 0; i < 8; i++) {
       float angle = 0.785398 * float(i) + 0.3;
-      vec2 direction = vec2(cos(angle), sin(angle));
-      edge += clamp((here - distanceAt(place + ivec2(round(direction * reach)))) / (0.03 * size), 0.0, 1.0);
-      float wide = (i & 1) == 0 ? 9.0 : 20.0;
-      float behind = (here - distanceAt(place + ivec2(direction * reach * wide))) / (0.02 * size);
-      hollow += behind < 4.0 ? clamp(behind, 0.0, 1.0) : clamp(6.0 - behind, 0.0, 2.0) * 0.5;
+      vec2 way = vec2(cos(angle), sin(angle)) * reach;
+      edge += clamp((here - distanceAt(place + ivec2(round(way)))) / (0.03 * size), 0.0, 1.0);
+    }
+    for (int i = 0; i < 14; i++) { // a spiral: no two samples at the same distance, so no bands
+      float angle = 2.4 * float(i);
+      vec2 way = vec2(cos(angle), sin(angle)) * reach * (3.0 + 1.6 * float(i));
+      float behind = (here - distanceAt(place + ivec2(round(way)))) / (0.025 * size);
+      hollow += clamp(behind, 0.0, 1.0) * clamp(3.0 - 0.5 * behind, 0.0, 1.0);
     }
   }
-  relief = vec4(1.0 - 0.5 * edge / 8.0 - 0.45 * hollow / 8.0, 0.0, 0.0, 1.0);
+  relief = vec4(1.0 - 0.45 * edge / 8.0 - 0.5 * hollow / 14.0, 0.0, 0.0, 1.0);
 }`;
 
 export const PICTURE_FRAGMENT = `
@@ -98,7 +101,7 @@ uniform int colorBy; // 0 by the table, 1 scan, 2 plain, 3 values
 uniform bool hasScan, hasPartition, hasOutlines, outlinesParts;
 uniform float mixing, scale, width, pulse;
 uniform uint hovered, picked;
-uniform vec3 plain, unlabelled, accent;
+uniform vec3 plain, unlabelled;
 out vec4 picture;
 
 const uint NONE = 0xffffffffu;
@@ -115,14 +118,12 @@ uvec4 atomOf(uint face) {
   return texelFetch(atoms, cell(atom, textureSize(atoms, 0).x), 0);
 }
 
-void main() {
-  ivec2 place = ivec2(gl_FragCoord.xy * scale);
+vec4 shade(ivec2 place) {
   vec4 here = texelFetch(numbers, place, 0);
   uvec3 bytes = uvec3(here.rgb * 255.0 + 0.5);
   uint face = bytes.r | bytes.g << 8 | bytes.b << 16;
   if (face == 0u) {
-    picture = vec4(0.0);
-    return;
+    return vec4(0.0);
   }
   vec3 ground = hasScan ? texelFetch(scan, place, 0).rgb : plain;
   uvec4 atom = hasPartition ? atomOf(face) : uvec4(NONE, NONE, 0u, 0u);
@@ -139,14 +140,15 @@ void main() {
     color = mix(ground, color, mixing);
   }
   float light = here.a * texelFetch(relief, place, 0).r;
-  vec3 shadow = vec3(0.30, 0.31, 0.38);
-  float strength = colorBy == 1 ? 0.55 : 1.0; // a scan brings shadows of its own
-  vec3 lit = color * mix(vec3(1.0), shadow + (vec3(1.10, 1.09, 1.06) - shadow) * light, strength);
+  vec3 shadow = vec3(0.34, 0.35, 0.42);
+  float strength = colorBy == 1 ? 0.5 : 1.0; // a scan brings shadows of its own
+  vec3 lit = color * mix(vec3(1.0), mix(shadow, vec3(1.08, 1.07, 1.05), light), strength);
 
   bool isHovered = hovered != NONE && atom.g == hovered;
   bool isPicked = picked != NONE && atom.g == picked;
-  if (isHovered) lit = mix(lit, accent, 0.18 + 0.34 * pulse);
-  if (isPicked) lit = mix(lit, accent, 0.35);
+  vec3 glow = dot(lit, vec3(0.3, 0.6, 0.1)) > 0.6 ? vec3(0.12, 0.16, 0.3) : vec3(1.0);
+  if (isHovered) lit = mix(lit, glow, 0.1 + 0.3 * pulse);
+  if (isPicked) lit = mix(lit, glow, 0.35);
   if (hasPartition && (hasOutlines || hovered != NONE)) {
     float between = 0.0;
     float around = 0.0;
@@ -160,8 +162,17 @@ void main() {
       between += float(outlinesParts ? beside.g != atom.g : beside.r != atom.r);
       around += float((beside.g == hovered) != (atom.g == hovered));
     }
-    if (hasOutlines) lit *= 1.0 - 0.62 * min(1.0, 0.5 * between);
-    if (hovered != NONE) lit = mix(lit, accent, 0.85 * min(1.0, 0.5 * around));
+    if (hasOutlines) lit *= 1.0 - 0.5 * min(1.0, 0.5 * between);
+    if (hovered != NONE) lit = mix(lit, glow, 0.7 * min(1.0, 0.5 * around));
   }
-  picture = vec4(lit, 1.0);
+  return vec4(lit, 1.0);
+}
+
+void main() {
+  if (scale < 1.5) {
+    picture = shade(ivec2(gl_FragCoord.xy * scale));
+    return;
+  }
+  ivec2 place = 2 * ivec2(gl_FragCoord.xy);
+  picture = 0.25 * (shade(place) + shade(place + ivec2(1, 0)) + shade(place + ivec2(0, 1)) + shade(place + 1));
 }`;

@@ -34,6 +34,7 @@ const REST_MS = 140; // without movement for so long, the camera has stopped
 const FLIGHT_MS = 280;
 const BLINK_MS = 1100;
 const SMOOTH_MS = 40; // a full drawing that takes longer is replaced by the coarse one while moving
+const SWIFT_MS = 12; // one that takes less can be drawn twice as fine, which smooths its edges
 const COARSE_FACES = 120_000;
 const ORBIT_SPEED = 0.0075; // radians a pixel
 
@@ -44,11 +45,13 @@ export class Viewer {
    * @param {HTMLCanvasElement} canvas
    * @param {object} events
    * @param {() => void} events.onFirstFrame
-   * @param {() => void} events.onRest  face numbers are fresh: what lies under the pointer may have changed
+   * @param {() => void} events.onMove  what lies under the pointer is not known for now
+   * @param {() => void} events.onRest  it is known again, and may have changed
    */
-  constructor(canvas, { onFirstFrame, onRest }) {
+  constructor(canvas, { onFirstFrame, onMove, onRest }) {
     this.canvas = canvas;
     this.onFirstFrame = onFirstFrame;
+    this.onMove = onMove;
     this.onRest = onRest;
     this.renderer = new SceneRenderer(canvas);
     /** @type {Camera} */
@@ -81,6 +84,7 @@ export class Viewer {
     this.isDisposed = false;
     /** Milliseconds of a full drawing; unknown until measured. @type {number | null} */
     this.cost = null;
+    this.isSwift = false;
     this.drawing = 0;
     this.request = 0;
     this.restTimer = 0;
@@ -314,6 +318,7 @@ export class Viewer {
   }
 
   #draw({ faces = true } = {}) {
+    if (faces) this.onMove();
     this.needs.picture = true;
     this.needs.faces ||= faces;
     if (!this.request) this.request = requestAnimationFrame(() => this.#frame());
@@ -333,7 +338,8 @@ export class Viewer {
       this.snapshot = null;
       this.drawing++;
       const { backFaces } = this.look;
-      this.renderer.drawFaces(this.camera, { scale: isDraft ? 0.6 : 1, isCoarse: isDraft, backFaces });
+      const scale = isDraft ? 0.6 : this.isSwift ? 2 : 1;
+      this.renderer.drawFaces(this.camera, { scale, isCoarse: isDraft, backFaces });
     }
     if (picture) this.renderer.drawPicture(this.#currentLook());
     if (faces && !this.isMoving) this.#readNumbers(began);
@@ -354,6 +360,10 @@ export class Viewer {
     this.cost = isFirst ? Math.min(cost, SMOOTH_MS + 1) : cost; // the first time includes the transfer to the GPU
     this.onRest();
     if (this.cost > SMOOTH_MS) this.#prepareCoarse();
+    if (!this.isSwift && !isFirst && cost < SWIFT_MS && (devicePixelRatio || 1) < 1.5) {
+      this.isSwift = true;
+      this.#draw();
+    }
   }
 
   #prepareCoarse() {

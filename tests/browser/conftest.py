@@ -1,0 +1,292 @@
+"""A real JupyterLab in a real headless Chromium.
+
+`notebook(cells)` opens a new notebook with these cells in a server that lives as long as the tests; it can
+run them, evaluate Python in their kernel, and find the views they show. Wait on state, never on time.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import secrets
+import shutil
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+FLAGS = [
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+]
+NO_NEWS = {"@jupyterlab/apputils-extension:notification": {"fetchNews": "false", "checkForUpdates": False}}
+START_SECONDS = 60
+HARMLESS = ("favicon", "ResizeObserver loop")  # the host's own remarks
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Every test in this folder drives a browser."""
+    for item in items:
+        if Path(__file__).parent in item.path.parents:
+            item.add_marker(pytest.mark.browser)
+
+
+@pytest.fixture(scope="session")
+def chromium() -> str:
+    """Path of Chromium; without it, skip here and fail under CI."""
+    wanted = os.environ.get("SCENEWIDGET_CHROMIUM")
+    names = [wanted] if wanted else ["chromium", "chromium-browser", "google-chrome"]
+    found = next((path for name in names if (path := shutil.which(name))), None)
+    if found:
+        return found
+    message = (
+        "BROWSER TESTS DID NOT RUN: no Chromium found. Install one (Debian: apt install chromium "
+        "fonts-dejavu-core) or set SCENEWIDGET_CHROMIUM to its path"
+    )
+    if os.environ.get("CI"):
+        pytest.fail(message, pytrace=False)
+    print(f"\n*** {message} ***\n", file=sys.__stderr__)
+    pytest.skip(message)
+
+
+@dataclass
+class Server:
+    """A running Jupyter server and the folder it shows."""
+
+    url: str
+    token: str
+    folder: Path
+
+
+@pytest.fixture(scope="session")
+def jupyter(tmp_path_factory: pytest.TempPathFactory, chromium: str) -> Iterator[Server]:
+    """A JupyterLab with settings, kernels and files of its own."""
+    home = tmp_path_factory.mktemp("jupyter")
+    folder = home / "notebooks"
+    folder.mkdir()
+    (home / "settings").mkdir()
+    (home / "settings" / "overrides.json").write_text(json.dumps(NO_NEWS))
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    token = secrets.token_hex(16)
+    command = [
+        *(sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", "--expose-app-in-browser"),
+        *("--ServerApp.ip=127.0.0.1", f"--ServerApp.port={port}", "--ServerApp.port_retries=0"),
+        *(f"--IdentityProvider.token={token}", f"--ServerApp.root_dir={folder}"),
+        *(f"--LabApp.app_settings_dir={home / 'settings'}", f"--LabApp.user_settings_dir={home / 'user'}"),
+        f"--LabApp.workspaces_dir={home / 'workspaces'}",
+    ]
+    own = {f"JUPYTER_{kind}_DIR": str(home / kind.lower()) for kind in ("CONFIG", "DATA", "RUNTIME")}
+    log = home / "log.txt"
+    with log.open("w") as output:
+        process = subprocess.Popen(
+            command, env={**os.environ, **own}, stdout=output, stderr=subprocess.STDOUT, cwd=folder
+        )
+    server = Server(f"http://127.0.0.1:{port}", token, folder)
+    try:
+        deadline = time.monotonic() + START_SECONDS
+        while not _answers(f"{server.url}/api/status?token={token}"):
+            if process.poll() is not None or time.monotonic() > deadline:
+                pytest.fail(f"JupyterLab did not start:\n{log.read_text()[-3000:]}", pytrace=False)
+            time.sleep(0.1)
+        yield server
+    finally:
+        process.terminate()
+        try:
+            process.wait(10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture(scope="session")
+def browser(chromium: str) -> Iterator[Any]:
+    """Chromium with WebGL in software, the same everywhere."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def profile(browser: Any) -> Iterator[Any]:
+    """One browser profile for all tests, so that JupyterLab comes out of its cache."""
+    context = browser.new_context()
+    yield context
+    context.close()
+
+
+@pytest.fixture
+def notebook(jupyter: Server, profile: Any) -> Iterator[Callable[..., Notebook]]:
+    """Opens notebooks: `notebook(["cell", ...], width=1100, height=900)`; closes them and their kernels."""
+    opened: list[Notebook] = []
+
+    def open_notebook(cells: list[str], *, width: int = 1100, height: int = 900) -> Notebook:
+        page = profile.new_page()
+        page.set_viewport_size({"width": width, "height": height})
+        book = Notebook(page, jupyter)
+        opened.append(book)
+        book.open(cells)
+        return book
+
+    yield open_notebook
+    for book in opened:
+        book.close()
+
+
+@dataclass
+class Notebook:
+    """One notebook in one page."""
+
+    page: Any
+    server: Server
+    errors: list[str] = field(default_factory=list)
+
+    def open(self, cells: list[str]) -> None:
+        """Write the cells into a file and open it, until its kernel answers."""
+        source = [
+            {
+                "cell_type": "code",
+                "source": cell,
+                "metadata": {},
+                "outputs": [],
+                "execution_count": None,
+                "id": f"c{i}",
+            }
+            for i, cell in enumerate(cells)
+        ]
+        kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
+        name = f"test-{secrets.token_hex(4)}.ipynb"
+        content = {"cells": source, "metadata": kernel, "nbformat": 4, "nbformat_minor": 5}
+        (self.server.folder / name).write_text(json.dumps(content))
+        self.open_file(name)
+
+    def open_file(self, name: str) -> None:
+        """Open a notebook of the server's folder."""
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("console", self._listen)
+        self.page.goto(f"{self.server.url}/lab/tree/{name}?token={self.server.token}&reset")
+        self.page.wait_for_function(
+            """() => window.jupyterapp?.shell.currentWidget?.context?.sessionContext
+                ?.session?.kernel?.status === 'idle'""",
+            timeout=60_000,
+        )
+        self.page.evaluate("() => window.jupyterapp.shell.collapseLeft()")
+
+    def run_all(self) -> None:
+        """Run all cells and wait until the kernel is done with them."""
+        self.page.evaluate("() => window.jupyterapp.commands.execute('notebook:run-all-cells')")
+
+    def evaluate(self, expression: str) -> str:
+        """`repr` of a Python expression in the notebook's kernel."""
+        answer = self.page.evaluate(
+            """async expression => {
+                const kernel = window.jupyterapp.shell.currentWidget.context.sessionContext.session.kernel;
+                const request = { code: "", silent: true, user_expressions: { it: expression } };
+                const reply = await kernel.requestExecute(request).done;
+                return reply.content.user_expressions.it;
+            }""",
+            expression,
+        )
+        if answer["status"] != "ok":
+            raise AssertionError(f"{answer['ename']}: {answer['evalue']}")
+        return answer["data"]["text/plain"]
+
+    def execute(self, code: str) -> None:
+        """Run statements in the kernel, outside any cell."""
+        assert self.evaluate(f"exec({code!r})") == "None"
+
+    def view(self, index: int = 0, *, timeout: float = 30) -> View:
+        """The n-th view of the notebook, once its first frame is drawn."""
+        root = self.page.locator(".scenewidget").nth(index)
+        self.page.locator('.scenewidget[data-ready="true"]').nth(index).wait_for(timeout=1000 * timeout)
+        root.scroll_into_view_if_needed()
+        return View(self.page, root)
+
+    def close(self) -> None:
+        """End the kernel and the page."""
+        self.page.evaluate(
+            "() => window.jupyterapp?.shell.currentWidget?.context?.sessionContext?.shutdown()"
+        )
+        self.page.close()
+
+    def _listen(self, message: Any) -> None:
+        if message.type == "error" and not any(text in message.text for text in HARMLESS):
+            self.errors.append(message.text)
+
+
+@dataclass
+class View:
+    """A SceneView on the page; places are pixels from its upper left corner."""
+
+    page: Any
+    root: Any
+
+    def state(self, name: str) -> str:
+        """The `data-` attribute of that name."""
+        return self.root.get_attribute(f"data-{name}")
+
+    def wait(self, name: str, value: str, *, timeout: float = 10) -> None:
+        """Wait until an attribute has a value."""
+        self.page.wait_for_function(
+            "([root, name, value]) => root.getAttribute(`data-${name}`) === value",
+            arg=[self.root.element_handle(), name, value],
+            timeout=1000 * timeout,
+        )
+
+    def settle(self) -> None:
+        """Wait until the camera has stopped and what is under the pointer is known again."""
+        self.wait("moving", "false")
+
+    def size(self) -> tuple[float, float]:
+        """Width and height of the picture."""
+        box = self.root.locator("canvas").bounding_box()
+        return box["width"], box["height"]
+
+    def point(self, x: float, y: float) -> None:
+        """Move the pointer there."""
+        box = self.root.locator("canvas").bounding_box()
+        self.page.mouse.move(box["x"] + x, box["y"] + y)
+
+    def drag(
+        self, start: tuple[float, float], end: tuple[float, float], *, button: str = "left", steps: int = 8
+    ) -> None:
+        """Press at one place, move to another, release."""
+        self.point(*start)
+        self.page.mouse.down(button=button)
+        box = self.root.locator("canvas").bounding_box()
+        self.page.mouse.move(box["x"] + end[0], box["y"] + end[1], steps=steps)
+        self.page.mouse.up(button=button)
+
+    def pixels(self) -> np.ndarray:
+        """(height, width, 3) uint8 what a person sees of it, toolbar included."""
+        return np.asarray(Image.open(io.BytesIO(self.root.screenshot())).convert("RGB"))
+
+
+def _answers(url: str) -> bool:
+    try:
+        with urllib.request.urlopen(url, timeout=2) as reply:
+            return reply.status == 200
+    except OSError:
+        return False

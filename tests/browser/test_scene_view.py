@@ -1,0 +1,293 @@
+"""The view in a real notebook: what a person sees, points at and turns."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+# A room of 4 × 3 × 2.4 m seen from inside: floor 0, ceiling 1, walls 2-5; level "halves" cuts each in two.
+ROOM = """
+import numpy as np
+from scenewidget.engine.mesh import Mesh
+from scenewidget.widget.scene_view import SceneView
+
+def sheet(corner, along, across, n=40):
+    s, t = np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1), indexing="ij")
+    i = np.arange(s.size).reshape(s.shape)
+    a, b, c, d = (k.ravel() for k in (i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]))
+    points = np.array(corner) + s.reshape(-1, 1) * along + t.reshape(-1, 1) * across
+    return points, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+
+def room():
+    x, y, z = 4.0 * np.eye(3)[0], 3.0 * np.eye(3)[1], 2.4 * np.eye(3)[2]
+    o = 0 * x
+    sides = [(o, x, y), (z, y, x), (o, y, z), (x, z, y), (o, z, x), (y, x, z)]
+    sheets = [sheet(*side) for side in sides]
+    vertices = np.concatenate([points for points, _ in sheets])
+    faces = np.concatenate([triangles + k * len(sheets[0][0]) for k, (_, triangles) in enumerate(sheets)])
+    return Mesh(vertices, faces), np.repeat(np.arange(6), len(sheets[0][1]))
+
+mesh, surfaces = room()
+halves = 2 * surfaces + (mesh.face_centroids[:, 0] > 2.0)
+view = SceneView(mesh, height=420)
+"""
+LABELLED = ROOM + "view.set_partition({'halves': halves, 'surfaces': surfaces}, surfaces)\n"
+
+
+def colors(pixels: np.ndarray) -> int:
+    """How many clearly different colours there are, each on a hundredth of the picture at least."""
+    coarse = (pixels[60:-40] // 32).reshape(-1, 3).astype(int) @ [64, 8, 1]
+    return int((np.bincount(coarse) > coarse.size / 100).sum())
+
+
+def hovered_over(view, *, step: int = 24) -> dict[str, tuple[int, int]]:
+    """Parts that the pointer meets on a raster, and a place of each."""
+    width, height = view.size()
+    found: dict[str, tuple[int, int]] = {}
+    for y in range(60, int(height) - 40, step):
+        for x in range(20, int(width) - 20, step):
+            view.point(x, y)
+            found.setdefault(view.state("hovered"), (x, y))
+    return found
+
+
+@pytest.fixture
+def room(notebook):
+    """The labelled room, shown."""
+    book = notebook([LABELLED + "view"])
+    book.run_all()
+    view = book.view()
+    view.settle()
+    return book, view
+
+
+def test_a_mesh_alone_is_drawn(notebook):
+    book = notebook([ROOM + "view"])
+    book.run_all()
+    view = book.view()
+    assert (view.state("segments"), view.state("busy"), view.state("hovered")) == ("0", "false", "")
+    assert view.root.locator("canvas").count() == 1
+    assert colors(view.pixels()) >= 3  # surfaces in different light
+    assert book.errors == []
+
+
+def test_segments_are_drawn_in_their_colours(room):
+    book, view = room
+    assert view.state("segments") == "6"
+    view.root.get_by_role("button", name="Top view").click()
+    view.settle()
+    x, y = (int(size / 2) for size in view.size())
+    seen = view.pixels()[y, x].astype(float)
+    expected = np.array(eval(book.evaluate("view.segment_colors[0].tolist()")), float)
+    assert (
+        np.corrcoef(seen, expected)[0, 1] > 0.9 or np.abs(seen - expected).max() < 30
+    )  # floor, lit from above
+    assert book.errors == []
+
+
+def test_the_part_under_the_pointer_is_named_at_each_level(room):
+    book, view = room
+    assert view.root.get_by_label("Level").input_value() == "surfaces"
+    view.root.focus()
+    view.page.keyboard.press("t")
+    view.settle()
+    width, height = view.size()
+    view.point(width / 2 - 60, height / 2)
+    view.wait("hovered", "0")
+    assert "Segment 0" in view.root.inner_text()
+    view.page.keyboard.press("1")
+    left = {"0": "1", "1": "0"}
+    view.page.wait_for_function(
+        "root => ['0', '1'].includes(root.dataset.hovered)", arg=view.root.element_handle()
+    )
+    here = view.state("hovered")
+    view.point(width / 2 + 60, height / 2)
+    view.wait("hovered", left[here])
+    assert book.evaluate("view.level") == "'halves'"
+    view.point(3, height - 60)
+    view.wait("hovered", "")
+
+
+def test_the_part_under_the_pointer_blinks(room):
+    _, view = room
+    width, height = view.size()
+    before = view.pixels()
+    view.point(width / 2, height / 2)
+    view.page.wait_for_function("root => root.dataset.hovered !== ''", arg=view.root.element_handle())
+    assert np.abs(view.pixels()[60:-40].astype(int) - before[60:-40]).max() > 20
+
+
+def test_dragging_orbits_and_reset_comes_back(room):
+    book, view = room
+    width, height = view.size()
+    before = view.pixels()
+    parts_before = hovered_over(view, step=48).keys()
+    view.drag((width / 2, height / 2), (width / 2 + 300, height / 2 + 10))
+    view.settle()
+    after = view.pixels()
+    assert (np.abs(after.astype(int) - before) > 20).mean() > 0.05
+    assert hovered_over(view, step=48).keys() != parts_before  # another wall has opened
+    view.root.get_by_role("button", name="Reset view").click()
+    view.settle()
+    view.point(3, 70)
+    view.page.wait_for_timeout(400)
+    assert (np.abs(view.pixels()[60:-40].astype(int) - before[60:-40]) > 20).mean() < 0.01
+    assert book.errors == []
+
+
+def test_the_wheel_zooms_to_the_pointer(room):
+    _, view = room
+    part, place = next((part, place) for part, place in hovered_over(view).items() if part)
+    view.point(*place)
+    for _ in range(6):
+        view.page.mouse.wheel(0, -240)
+    view.settle()
+    view.point(place[0] + 1, place[1])
+    view.wait("hovered", part)
+
+
+def test_the_view_follows_the_size_of_its_cell(room):
+    book, view = room
+    width, _ = view.size()
+    view.page.set_viewport_size({"width": 800, "height": 900})
+    view.page.wait_for_function(
+        "([c, w]) => c.clientWidth < w", arg=[view.root.locator("canvas").element_handle(), width]
+    )
+    book.execute("view.height = 300")
+    view.page.wait_for_function("c => c.clientHeight < 310", arg=view.root.locator("canvas").element_handle())
+    view.settle()
+    assert view.size()[0] < width
+    assert colors(view.pixels()) >= 3
+    canvas = view.root.locator("canvas")
+    assert canvas.evaluate("c => Math.abs(c.width / c.clientWidth - c.height / c.clientHeight) < 0.02")
+
+
+def test_two_views_of_one_model_share_its_state_but_not_the_camera(notebook):
+    book = notebook([LABELLED + "view", "view"], height=1300)
+    book.run_all()
+    first, second = book.view(0), book.view(1)
+    first.settle()
+    second.settle()
+    still = second.pixels()
+    width, height = first.size()
+    first.drag((width / 2, height / 2), (width / 2 + 250, height / 2))
+    first.settle()
+    assert (np.abs(second.pixels().astype(int) - still) > 20).mean() < 0.01
+    first.root.get_by_role("button", name="Outlines").click()
+    outlines = second.root.get_by_role("button", name="Outlines")
+    second.page.wait_for_function(
+        "b => b.getAttribute('aria-pressed') === 'false'", arg=outlines.element_handle()
+    )
+    assert book.evaluate("view.outlines") == "False"
+    assert book.errors == []
+
+
+def test_a_lost_context_comes_back(room):
+    _, view = room
+    before = view.pixels()
+    canvas = view.root.locator("canvas")
+    canvas.evaluate(
+        "c => (c.loser = c.getContext('webgl2').getExtension('WEBGL_lose_context')).loseContext()"
+    )
+    view.wait("ready", "false")
+    canvas.evaluate("c => c.loser.restoreContext()")
+    view.wait("ready", "true")
+    view.settle()
+    assert (np.abs(view.pixels().astype(int) - before) > 20).mean() < 0.01
+
+
+def test_a_closed_view_gives_its_context_back(room):
+    book, view = room
+    canvas = view.root.locator("canvas").element_handle()
+    view.page.evaluate("() => window.jupyterapp.commands.execute('notebook:clear-all-cell-outputs')")
+    view.page.wait_for_function("c => !c.isConnected && c.getContext('webgl2').isContextLost()", arg=canvas)
+    assert book.page.locator(".scenewidget").count() == 0
+
+
+def test_progress_status_and_errors_lie_over_the_picture(room):
+    book, view = room
+    book.execute("seen = []; view.on_msg(lambda _, message, __: seen.append(message))")
+    book.execute("view.busy, view.progress, view.status = True, 0.4, 'Distances'")
+    view.wait("busy", "true")
+    assert "Distances" in view.root.inner_text()
+    assert view.root.get_by_role("progressbar").get_attribute("aria-valuenow") == "40"
+    view.root.get_by_role("button", name="Cancel").click()
+    view.page.wait_for_function(
+        "b => b.disabled", arg=view.root.get_by_role("button", name="Cancel").element_handle()
+    )
+    assert book.evaluate("seen") == "[{'kind': 'cancel'}]"
+    book.execute("view.busy = False; view.error = 'no <b>such</b> file'")
+    view.wait("busy", "false")
+    alert = view.root.get_by_role("alert")
+    alert.wait_for()
+    assert "no <b>such</b> file" in alert.inner_text()
+    view.root.get_by_role("button", name="Dismiss").click()
+    alert.wait_for(state="hidden")
+    assert book.evaluate("view.error") == "''"
+
+
+def test_edits_send_a_table_and_keep_the_other_colours(room):
+    book, view = room
+    before = book.evaluate("view.segment_colors[:5].tolist()")
+    book.execute("sent = view._face_atom; view.set_segments(np.where(surfaces == 5, 4, surfaces))")
+    view.wait("segments", "5")
+    assert book.evaluate("sent is view._face_atom") == "True"
+    assert book.evaluate("view.segment_colors.tolist()") == before
+
+
+def test_right_click_and_keys_stay_in_the_view(room):
+    _, view = room
+    width, height = view.size()
+    view.point(width / 2, height / 2)
+    view.page.mouse.click(*_center(view), button="right")
+    assert view.page.locator(".lm-Menu").count() == 0
+    view.page.keyboard.press("b")  # in JupyterLab: insert a cell below
+    view.page.wait_for_function(
+        "b => b.getAttribute('aria-pressed') === 'true'",
+        arg=view.root.get_by_role("button", name="Back faces").element_handle(),
+    )
+    assert view.page.locator(".jp-Notebook .jp-Cell").count() == 1
+    view.page.keyboard.press("?")
+    view.root.get_by_role("dialog").wait_for()
+    view.page.keyboard.press("Escape")
+    view.root.get_by_role("dialog").wait_for(state="hidden")
+
+
+def test_values_are_coloured_with_a_legend(room):
+    book, view = room
+    book.execute("view.set_values(mesh.face_centroids[:, 2], title='height in m')")
+    view.root.get_by_text("height in m").last.wait_for()
+    view.settle()
+    assert colors(view.pixels()) >= 4
+
+
+def test_dragging_from_part_to_part_asks_for_a_merge(room):
+    book, view = room
+    book.execute("view.mode = 'edit'; seen = []; view.on_msg(lambda _, message, __: seen.append(message))")
+    view.wait("mode", "edit")
+    places = hovered_over(view)
+    (one, start), (two, end) = [(part, place) for part, place in places.items() if part][:2]
+    view.drag(start, end)
+    book.page.wait_for_timeout(50)
+    assert (
+        book.evaluate("[(m['kind'], m['level'], m['revision']) for m in seen]")
+        == "[('merge', 'surfaces', 1)]"
+    )
+    assert (
+        book.evaluate("(int(surfaces[seen[0]['face']]), int(surfaces[seen[0]['onto_face']]))")
+        == f"({one}, {two})"
+    )
+    view.drag(start, (-30, start[1]))  # released outside: no edit
+    view.point(*start)
+    view.page.mouse.click(*_on_page(view, start), button="right")
+    assert book.evaluate("[m['kind'] for m in seen]") == "['merge', 'split']"
+
+
+def _center(view) -> tuple[float, float]:
+    width, height = view.size()
+    return _on_page(view, (width / 2, height / 2))
+
+
+def _on_page(view, place: tuple[float, float]) -> tuple[float, float]:
+    box = view.root.locator("canvas").bounding_box()
+    return box["x"] + place[0], box["y"] + place[1]
