@@ -84,7 +84,9 @@ def co_association(keys: IntArray, weights: FloatArray | None = None) -> CoAssoc
     """
     keys = np.asarray(keys)
     if keys.ndim != 2 or keys.dtype.kind not in "iu":
-        raise ValueError(f"keys must be whole numbers of shape (n_items, n_runs), got {keys.shape} {keys.dtype}")
+        raise ValueError(
+            f"keys must be whole numbers of shape (n_items, n_runs), got {keys.shape} {keys.dtype}"
+        )
     if keys.shape[1] == 0:
         raise ValueError("keys has no runs: an ensemble needs at least one")
     weights = np.ones(len(keys)) if weights is None else np.asarray(weights, dtype=np.float64)
@@ -97,7 +99,7 @@ def co_association(keys: IntArray, weights: FloatArray | None = None) -> CoAssoc
     table = np.ascontiguousarray(keys[first], dtype=np.int32)
     together, seen = _count(table)
     C = np.divide(together, seen, out=np.zeros((n_base, n_base)), where=seen > 0)
-    return CoAssociation(C, np.bincount(base, weights, n_base), base, seen / keys.shape[1])
+    return CoAssociation(C, np.bincount(base, weights, n_base).astype(np.float64), base, seen / keys.shape[1])
 
 
 @numba.njit(cache=True, nogil=True)
@@ -181,7 +183,9 @@ def median_partition(C: FloatArray, weights: FloatArray, *, seed: int = 0, max_s
     C = np.ascontiguousarray(C, dtype=np.float64)
     a = np.ascontiguousarray(weights, dtype=np.float64)
     labels = cut_tree(average_linkage(C, a), similarity=0.5)
-    labels = _best_moves(C, a, labels.astype(np.int64), np.random.default_rng(seed).permutation(len(C)), max_sweeps)
+    labels = _best_moves(
+        C, a, labels.astype(np.int64), np.random.default_rng(seed).permutation(len(C)), max_sweeps
+    )
     _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.int32)
     rank[np.argsort(first)] = np.arange(len(first), dtype=np.int32)

@@ -46,7 +46,7 @@ def edge_costs(
     costs : (n_pairs,) float64
     """
     dots = np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]])
-    return np.maximum(a + b * np.clip(dots, -1.0, 1.0), 0.0) ** exponent
+    return np.asarray(np.maximum(a + b * np.clip(dots, -1.0, 1.0), 0.0) ** exponent)
 
 
 def edge_weights(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from scenewidget.engine.items import Items
-from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
+from scenewidget.engine.mesh import IntArray, connected_components
 
 __all__ = ["absorb_small", "connected_pieces", "join_planes"]
 
@@ -127,9 +127,10 @@ def join_planes(
     )
     length = np.linalg.norm(mean_normal, axis=1, keepdims=True)
     mean_normal = np.divide(mean_normal, length, out=np.zeros_like(mean_normal), where=length > 0)
-    plane_normal = vectors[:, :, 0] * np.where(
-        np.einsum("ij,ij->i", vectors[:, :, 0], mean_normal) < 0, -1.0, 1.0
-    )[:, None]
+    plane_normal = (
+        vectors[:, :, 0]
+        * np.where(np.einsum("ij,ij->i", vectors[:, :, 0], mean_normal) < 0, -1.0, 1.0)[:, None]
+    )
     centroid = moments.centroid
     item_centroid = items.moments.centroid
     total = items.areas.sum()
@@ -152,6 +153,5 @@ def join_planes(
         joins[s] = True
         group[joins] = s
         is_free[joins] = False
-    dense: FloatArray
     _, dense = np.unique(group, return_inverse=True)
     return np.where(keep, dense[labels], -1).astype(np.int32)

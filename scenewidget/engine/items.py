@@ -91,7 +91,9 @@ class Items:
     @cached_property
     def lengths(self) -> FloatArray:
         """(n_pairs,) distance of the two centroids, metres."""
-        return np.asarray(np.linalg.norm(self.centroids[self.pairs[:, 0]] - self.centroids[self.pairs[:, 1]], axis=1))
+        return np.asarray(
+            np.linalg.norm(self.centroids[self.pairs[:, 0]] - self.centroids[self.pairs[:, 1]], axis=1)
+        )
 
     @cached_property
     def graph(self) -> sparse.csr_array:
@@ -112,17 +114,13 @@ class Items:
         return connected_components(self.n, self.pairs)[1]
 
 
-def simplified_items(
-    mesh: Mesh, pairs: IntArray, *, monitor: Monitor | None = None, **options: Any
-) -> Items:
+def simplified_items(mesh: Mesh, pairs: IntArray, *, monitor: Monitor | None = None, **options: Any) -> Items:
     """Faces of the simplified mesh as items; ``options`` are those of `preprocess.simplify`."""
     simplified = simplify(mesh, pairs, monitor=monitor, **options)
     small = simplified.mesh
     item_of_face = np.arange(small.n_faces, dtype=np.int32)
     face_pairs = np.concatenate([face_adjacency(small), simplified.bridges])
-    return _build(
-        small, item_of_face, simplified.face_map, face_pairs, small.face_normals, simplified.report
-    )
+    return _build(small, item_of_face, simplified.face_map, face_pairs, small.face_normals, simplified.report)
 
 
 def superfacet_items(
@@ -168,7 +166,8 @@ def superfacet_items(
     monitor.tick(0.7)
     size = float(min(min_faces, max(1, mesh.n_faces // n_items)))
     has_area, crumb = mesh.face_areas > 0, size * float(np.median(mesh.face_areas))
-    floating, label = 0, np.zeros(mesh.n_faces, dtype=np.int32)
+    floating = 0
+    label: IntArray = np.zeros(mesh.n_faces, dtype=np.int32)
     while True:
         label = felzenszwalb(mesh.n_faces, links, weights, threshold=threshold, min_size=size, order=order)
         count = np.bincount(label)
@@ -252,9 +251,7 @@ def _build(
     n = int(item_of_face.max()) + 1
     moments = face_moments(mesh).gather(item_of_face, n)
     keep = item_of_face >= 0
-    vectors = np.stack(
-        [np.bincount(item_of_face[keep], v[keep], n) for v in mesh.face_vectors.T], axis=1
-    )
+    vectors = np.stack([np.bincount(item_of_face[keep], v[keep], n) for v in mesh.face_vectors.T], axis=1)
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     item_normals = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
     ends = item_of_face[face_pairs]

@@ -117,12 +117,12 @@ def initial_medoids(
         return rng.choice(n, size=k, replace=False).astype(np.int32)
     if init == "systematic":
         by_total = np.argsort(_finite_totals(D), kind="stable")
-        return by_total[(np.arange(k) * n) // k].astype(np.int32)
+        return np.asarray(by_total[(np.arange(k) * n) // k], dtype=np.int32)
     if init == "sample":
         sample = np.sort(rng.choice(n, size=min(n, max(k, -(-n // 10))), replace=False))
         start = rng.choice(len(sample), size=k, replace=False).astype(np.int32)
         inner = np.ascontiguousarray(D[np.ix_(sample, sample)])
-        return sample[_alternate(inner, start, MAX_ITER)[1]].astype(np.int32)
+        return np.asarray(sample[_alternate(inner, start, MAX_ITER)[1]], dtype=np.int32)
     if init == "outmost":
         center = int(np.argmin(_finite_totals(D)))
         return np.argsort(-D[center], kind="stable")[:k].astype(np.int32)
@@ -163,7 +163,7 @@ def _checked_distances(D: Any) -> Any:
 
 def _sklearn_extra(D: Any, medoids: IntArray) -> KMedoidsResult:
     try:
-        from sklearn_extra.cluster import KMedoids
+        from sklearn_extra.cluster import KMedoids  # type: ignore[import-not-found,unused-ignore]
     except (ImportError, ValueError) as error:  # ValueError: its 0.3.0 wheel was built for numpy 1
         raise ImportError(
             'backend="sklearn-extra" needs scikit-learn-extra, whose wheels want Python 3.11 and numpy < 2: '

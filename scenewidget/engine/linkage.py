@@ -40,9 +40,7 @@ def average_linkage(C: FloatArray, weights: FloatArray) -> FloatArray:
     return _label(left[order], right[order], height[order])  # type: ignore[no-any-return]
 
 
-def cut_tree(
-    tree: FloatArray, *, n_clusters: int | None = None, similarity: float | None = None
-) -> IntArray:
+def cut_tree(tree: FloatArray, *, n_clusters: int | None = None, similarity: float | None = None) -> IntArray:
     """Labels of a cut through the tree.
 
     Parameters
@@ -63,8 +61,8 @@ def cut_tree(
         raise ValueError("give either n_clusters or similarity")
     if n_clusters is not None:
         n_merges = max(0, n - max(1, n_clusters))
-    else:
-        n_merges = int(np.searchsorted(tree[:, 2], 1.0 - similarity + 1e-12, side="right"))  # type: ignore[operator]
+    elif similarity is not None:
+        n_merges = int(np.searchsorted(tree[:, 2], 1.0 - similarity + 1e-12, side="right"))
     parent = np.arange(2 * n - 1)
     for step in range(n_merges):
         parent[int(tree[step, 0])] = parent[int(tree[step, 1])] = n + step

@@ -79,9 +79,8 @@ class Mesh:
             raise MeshError(
                 f"faces must have shape (n_faces, 3), got {faces.shape}; split polygons into triangles first"
             )
-        if not np.issubdtype(faces.dtype, np.integer):
-            if not np.array_equal(faces, np.floor(faces)):
-                raise TypeError(f"faces must hold whole numbers, got dtype {faces.dtype}")
+        if faces.dtype.kind == "f" and not np.array_equal(faces, np.floor(faces)):
+            raise TypeError(f"faces must hold whole numbers, got dtype {faces.dtype}")
         lowest, highest = faces.min(), faces.max()
         if lowest < 0 or highest >= len(vertices):
             row = int(np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=1))[0])
@@ -97,9 +96,9 @@ class Mesh:
             if is_used.any():
                 row = int(np.flatnonzero(is_used)[0])
                 raise MeshError(
-                    f"vertices has NaN or infinite positions in {int(bad.sum())} rows, and {int(is_used.sum())} "
-                    f"faces use them (first: faces[{row}]); drop those faces, for example "
-                    "faces[np.isfinite(vertices)[faces].all(axis=(1, 2))]"
+                    f"vertices has NaN or infinite positions in {int(bad.sum())} rows, and "
+                    f"{int(is_used.sum())} faces use them (first: faces[{row}]); drop those faces, for "
+                    "example faces[np.isfinite(vertices)[faces].all(axis=(1, 2))]"
                 )
             vertices[bad] = 0.0
         for array in (vertices, faces):
@@ -138,7 +137,9 @@ class Mesh:
     def face_normals(self) -> FloatArray:
         """(n_faces, 3) unit normals by the right-hand rule; zero vectors for degenerate faces."""
         length = 2.0 * self.face_areas[:, None]
-        return _read_only(np.divide(self.face_vectors, length, out=np.zeros((self.n_faces, 3)), where=length > 0))
+        return _read_only(
+            np.divide(self.face_vectors, length, out=np.zeros((self.n_faces, 3)), where=length > 0)
+        )
 
     @cached_property
     def face_centroids(self) -> FloatArray:
@@ -154,7 +155,9 @@ def _read_only(array: FloatArray) -> FloatArray:
 def _number_array(name: str, value: Any) -> npt.NDArray[Any]:
     array = np.asarray(value)
     if array.dtype.kind not in "iuf":
-        raise TypeError(f"{name} must be an array of numbers, got {type(value).__name__} of dtype {array.dtype}")
+        raise TypeError(
+            f"{name} must be an array of numbers, got {type(value).__name__} of dtype {array.dtype}"
+        )
     return array
 
 
@@ -181,8 +184,8 @@ def face_adjacency(mesh: Mesh) -> IntArray:
 
     Vertices at exactly the same position count as one, so a mesh whose triangles carry corners of their
     own (STL, texture seams) is as connected as it looks. An edge with more than two faces (non-manifold)
-    joins every two of them up to 8 faces; with more, each face only with the next in the order of the faces. Edges of length
-    zero join nothing.
+    joins every two of them up to 8 faces; with more, each face only with the next in the order of the
+    faces. Edges of length zero join nothing.
 
     Returns
     -------
@@ -192,7 +195,10 @@ def face_adjacency(mesh: Mesh) -> IntArray:
     corners = weld(mesh)[mesh.faces]
     n = mesh.n_faces
     start, end = corners, np.roll(corners, -1, axis=1)
-    low, high = np.minimum(start, end).ravel().astype(np.int64), np.maximum(start, end).ravel().astype(np.int64)
+    low, high = (
+        np.minimum(start, end).ravel().astype(np.int64),
+        np.maximum(start, end).ravel().astype(np.int64),
+    )
     key = low * mesh.n_vertices + high
     face = np.repeat(np.arange(n, dtype=np.int32), 3)
     keep = low != high
@@ -328,7 +334,8 @@ def _load_file(path: Path) -> Mesh:
         raise MeshError(f"{path.name!r} holds no triangles, only points or curves; a surface mesh is needed")
     if declared is not None and len(loaded.faces) < declared:
         raise MeshError(
-            f"{path.name!r} is truncated: its header promises {declared} faces, {len(loaded.faces)} could be read"
+            f"{path.name!r} is truncated: its header promises {declared} faces, "
+            f"{len(loaded.faces)} could be read"
         )
     return _from_trimesh(loaded)
 

@@ -41,7 +41,7 @@ class Moments:
             group = group[keep]
         columns = (self.area[:, None], self.first, self.second.reshape(-1, 9))
         flat = np.concatenate(columns, axis=1)[keep]
-        sums = np.stack([np.bincount(group, c, n_groups) for c in flat.T], axis=1)
+        sums: FloatArray = np.stack([np.bincount(group, c, n_groups) for c in flat.T], axis=1).astype(float)
         return Moments(sums[:, 0], sums[:, 1:4], sums[:, 4:].reshape(-1, 3, 3))
 
     @property
@@ -87,4 +87,4 @@ def face_moments(mesh: Mesh) -> Moments:
 
 def moment_origin(mesh: Mesh) -> FloatArray:
     """(3,) centre of the bounding box of the vertices, metres."""
-    return 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+    return np.asarray(0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0)))

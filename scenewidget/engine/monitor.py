@@ -34,7 +34,9 @@ class Monitor:
 
     def __init__(self, progress: Progress | None = None, cancel: threading.Event | None = None) -> None:
         if progress is not None and not callable(progress):
-            raise TypeError(f"progress must be callable as progress(stage, fraction), got {type(progress).__name__}")
+            raise TypeError(
+                f"progress must be callable as progress(stage, fraction), got {type(progress).__name__}"
+            )
         if cancel is not None and not hasattr(cancel, "is_set"):
             raise TypeError(f"cancel must be a threading.Event, got {type(cancel).__name__}")
         self._progress = progress

@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 from scipy import linalg, sparse
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
 from scenewidget.engine.checks import checked_count
@@ -361,39 +362,35 @@ def _smallest_pairs(
     if k == 1:
         inverse_values, y = np.empty(0), np.empty((n, 0))
     elif n <= max(DENSE_LIMIT, 2 * k + 10):
-        inverse_values, y = _dense_pairs(W, root, constant, k - 1, shift, scale)
+        inverse_values, y = _dense_pairs(W, root, constant, k - 1, shift)
     else:
         inverse_values, y = _lanczos_pairs(W, root, constant, k - 1, shift, tick, monitor)
     # The largest |λ| of a full spectrum drown in the rounding of the inverse: keep them finite.
-    floor = np.finfo(float).eps * inverse_values.max(initial=0.0)
+    floor = max(np.finfo(float).eps * inverse_values.max(initial=0.0), 1e-300)
     values = 1.0 / np.maximum(inverse_values, floor) - shift
     values[values < 1e-4 * shift] = 0.0  # a second zero mode: a component of degenerate faces
     order = np.argsort(values, kind="stable")
     values = np.concatenate([[0.0], values[order]])
-    y = y[:, order]
-    y = y - np.outer(constant, constant @ y)
-    y /= np.linalg.norm(y, axis=0)
-    phi = np.column_stack([constant, y]) / root[:, None]
+    phi = np.column_stack([constant, y[:, order]]) / root[:, None]
     return values, _with_fixed_signs(phi)
 
 
 def _dense_pairs(
-    W: sparse.csr_array, root: FloatArray, constant: FloatArray, k: int, shift: float, scale: float
+    W: sparse.csr_array, root: FloatArray, constant: FloatArray, k: int, shift: float
 ) -> tuple[FloatArray, FloatArray]:
     n = len(root)
-    C = W.toarray() / np.outer(root, root)
-    C[np.diag_indices(n)] += shift
-    C += scale * np.outer(constant, constant)  # moves the zero mode away; it is projected out below
+    # Q: orthonormal columns that span what is orthogonal to the constant (a Householder reflection)
+    mirror = constant.copy()
+    mirror[0] += 1.0
+    Q = (np.eye(n) - np.outer(mirror, mirror / mirror[0]))[:, 1:]  # |mirror|² = 2 mirror[0]
+    C = Q.T @ (W.toarray() / np.outer(root, root)) @ Q
+    C[np.diag_indices(n - 1)] += shift
     try:
         inverse = np.linalg.inv(C)
     except np.linalg.LinAlgError:  # rounding made a pivot exactly 0
-        inverse = np.linalg.inv(C + 1e-12 * np.abs(C).max() * np.eye(n))
-    inverse -= np.outer(constant, constant @ inverse)
-    inverse -= np.outer(inverse @ constant, constant)
-    inverse = 0.5 * (inverse + inverse.T)
-    # The projection left a 0 in the direction of the constant: the k ≤ n − 1 largest are the others.
-    values, vectors = linalg.eigh(inverse, subset_by_index=[n - k, n - 1])
-    return values, vectors
+        inverse = np.linalg.inv(C + 1e-12 * np.abs(C).max() * np.eye(n - 1))
+    values, vectors = linalg.eigh(0.5 * (inverse + inverse.T), subset_by_index=[n - 1 - k, n - 2])
+    return values, Q @ vectors
 
 
 def _lanczos_pairs(
@@ -406,7 +403,10 @@ def _lanczos_pairs(
     monitor: Monitor,
 ) -> tuple[FloatArray, FloatArray]:
     n = len(root)
-    shifted = sparse.csc_array(W + sparse.diags_array(shift * root**2))
+    shifted = sparse.csr_array(W + sparse.diags_array(shift * root**2))
+    # From some orders of the vertices (a subdivided sphere's) minimum degree takes a hundred times as long.
+    order = reverse_cuthill_mckee(shifted, symmetric_mode=True)
+    shifted = sparse.csc_array(shifted[order][:, order])
     factor = monitor.call(
         splu, shifted, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0
     )
@@ -418,8 +418,11 @@ def _lanczos_pairs(
         n_products += 1
         tick(min(n_products / (2 * n_basis), 0.99))
         y = y.ravel()
-        y = root * factor.solve(root * (y - constant * (constant @ y)))
-        return y - constant * (constant @ y)
+        y = root * (y - constant * (constant @ y))
+        x = np.empty(n)
+        x[order] = factor.solve(y[order])
+        x *= root
+        return x - constant * (constant @ x)
 
     inverse = LinearOperator((n, n), matvec=apply_inverse, dtype=np.float64)
     start = np.random.default_rng(0).standard_normal(n)

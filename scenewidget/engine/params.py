@@ -69,9 +69,11 @@ class Params:
         S, the number of segments aimed at. With ``consensus="peac"`` the number of rows of Y, shared out
         over the components; the result has more where columns stay alone or are cut into connected
         pieces. With "linkage" the tree is cut where it has that many clusters of at least 0.1 % of the
-        area (smaller ones come on top), and "auto" cuts it at ``linkage_similarity``. "median" needs no number and ignores it.
+        area (smaller ones come on top), and "auto" cuts it at ``linkage_similarity``. "median" needs
+        no number and ignores it.
     k_range : (int, int), optional
-        Least and most clusters of a k-medoids run. None means (2S, 2.5S) (thesis 4.2); with "auto" (100, 125).
+        Least and most clusters of a k-medoids run. None means (2S, 2.5S) (thesis 4.2);
+        with "auto" (100, 125).
     cost_exponent : float
         C of Eq. 3.9: cost = max(A + B⟨N_x, N_y⟩, 0)^C. Thesis: 1.5 (its f2).
     cost_a, cost_b : float

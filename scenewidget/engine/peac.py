@@ -162,15 +162,19 @@ def _solve(
     off = C.copy()
     np.fill_diagonal(off, 0.0)
     P = off @ (weights[:, None] * Y) if is_rank_one else np.empty((0, 0))
-    violation, sweep = np.inf, 0
+    violation: float = np.inf
+    sweep = 0
     first = 0.0
     while violation > tolerance and sweep < max_sweeps:
         order = rng.permutation(len(C))
         violation = 0.0
+        found: float
         for chunk in np.array_split(order, max(1, len(C) // 256)):  # cancel answers between chunks
             if is_rank_one:
                 S = (Y * weights[:, None]).T @ Y
-                found = _sweep_rank_one(chunk, off, np.diag(C).copy(), weights, Y, P, S, diagonal, 0.1 * tolerance)
+                found = _sweep_rank_one(
+                    chunk, off, np.diag(C).copy(), weights, Y, P, S, diagonal, 0.1 * tolerance
+                )
             else:
                 found = _sweep_general(chunk, off, np.diag(C).copy(), weights, Y, diagonal, 0.1 * tolerance)
             violation = max(violation, found)
@@ -304,8 +308,8 @@ def _sweep_rank_one(columns, off, own, a, Y, P, S, diagonal, tolerance):  # type
         for i in range(n):
             pull = a[j] * off[j, i]
             if pull != 0.0:
-                for r in changed:
-                    P[i, r] += pull * (Y[j, r] - before[r])
+                for c in changed:
+                    P[i, c] += pull * (Y[j, c] - before[c])
         for r in range(m):
             for s in range(m):
                 S[r, s] = Q[r, s] + a[j] * Y[j, r] * Y[j, s]
@@ -340,6 +344,8 @@ def _sweep_general(columns, off, own, W, Y, diagonal, tolerance):  # type: ignor
                     Q[r, support[z]] += w * Y[i, r] * Y[i, support[z]]
         if total <= 0.0:
             continue
-        found = _solve_column(Y[j], p / total, Q / total, W[j, j] / total if diagonal else 0.0, own[j], tolerance)
+        found = _solve_column(
+            Y[j], p / total, Q / total, W[j, j] / total if diagonal else 0.0, own[j], tolerance
+        )
         worst = max(worst, found)
     return worst

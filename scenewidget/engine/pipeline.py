@@ -127,7 +127,9 @@ class Pipeline:
         """
         params = _checked(params)
         timings: dict[str, float] = {}
-        result = self._compute("segmentation", stages(params), Monitor(progress, cancel), timings)
+        result: Segmentation = self._compute(
+            "segmentation", stages(params), Monitor(progress, cancel), timings
+        )
         return dataclasses.replace(result, timings=timings)
 
     def get(
@@ -366,7 +368,7 @@ def _share(mesh: Mesh, items: Items, dihedral: IntArray, *, monitor: Monitor, al
         home[dihedral[keep]] = component[items.item_of_face[keep]] + 1
         count = np.bincount(home, minlength=n + 1)[1:]
         count = np.maximum(count, 1)
-    return count / count.sum()
+    return np.asarray(count / count.sum())
 
 
 def _eigenbasis(mesh: Mesh, items: Items, *, monitor: Monitor, k: int, laplacian: Any) -> Eigenbasis:
@@ -377,9 +379,7 @@ def _delta(mesh: Mesh, items: Items, *, monitor: Monitor, feature: Any) -> Float
     return _lift(items, delta_coordinates(items.mesh, feature))
 
 
-def _signatures(
-    mesh: Mesh, items: Items, basis: Eigenbasis, *, monitor: Monitor, feature: str
-) -> FloatArray:
+def _signatures(mesh: Mesh, items: Items, basis: Eigenbasis, *, monitor: Monitor, feature: str) -> FloatArray:
     if feature == "gps":
         return _lift(items, global_point_signature(basis))
     if feature == "hks":
@@ -395,7 +395,7 @@ def _lift(items: Items, vertex_values: FloatArray) -> FloatArray:
     if len(item) == items.n:
         return values[keep][np.argsort(item)]
     sums = np.stack([np.bincount(item, area * column[keep], items.n) for column in values.T], axis=1)
-    return sums / np.where(items.areas > 0, items.areas, 1.0)[:, None]
+    return np.asarray(sums / np.where(items.areas > 0, items.areas, 1.0)[:, None])
 
 
 def _distances(
@@ -559,6 +559,7 @@ def _consensus_peac(
     component = np.zeros(len(co.weights), dtype=np.int64)
     component[co.base] = items.component
     out = np.empty(len(co.weights), dtype=np.int32)
+    labels: IntArray
     offset, left, unsolved = 0, 0.0, 0
     counts = allocate(n_segments, share, np.bincount(component, minlength=len(share)))
     for c, count in enumerate(counts):
@@ -567,7 +568,9 @@ def _consensus_peac(
             labels = np.zeros(len(inside), dtype=np.int32)
         else:
             C, weights = np.ascontiguousarray(co.C[np.ix_(inside, inside)]), co.weights[inside]
-            result = peac(C, weights, int(count), seed=np.random.SeedSequence(seed, spawn_key=(c,)), monitor=monitor)
+            result = peac(
+                C, weights, int(count), seed=np.random.SeedSequence(seed, spawn_key=(c,)), monitor=monitor
+            )
             labels, part = settle_leftovers(result, C, weights, leftover)
             left += part * float(weights.sum())
             unsolved += not result.converged
@@ -581,7 +584,9 @@ def _consensus_peac(
             stacklevel=2,
         )
     if unsolved:
-        warnings.warn(f"the consensus did not converge in {unsolved} of {len(counts)} components", stacklevel=2)
+        warnings.warn(
+            f"the consensus did not converge in {unsolved} of {len(counts)} components", stacklevel=2
+        )
     return out
 
 
@@ -636,4 +641,5 @@ def _confidence(co: CoAssociation, labels: IntArray) -> FloatArray:
     member = sparse.csr_array((np.maximum(weight, 1e-300), (base, segment_of)), shape=(n_base, n))
     agreement = np.asarray(co.C @ member.toarray()) if n * n_base < 2e7 else np.asarray((member.T @ co.C).T)
     mass = np.asarray(member.sum(axis=0)).ravel()
-    return np.clip(agreement[base, segment_of] / mass[segment_of], 0.0, 1.0)[inverse]
+    share = np.clip(agreement[base, segment_of] / mass[segment_of], 0.0, 1.0)
+    return np.asarray(share[inverse])

@@ -6,6 +6,7 @@ raw faces (thesis 3.1), and face normals freed from the scanner's noise.
 
 from __future__ import annotations
 
+import itertools
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -112,8 +113,8 @@ def simplify(
     coverage, smallest : float
         See `keep_components`.
     smallest_simplified : float
-        Components below this share of the simplified and of the raw faces are dropped. Pieces that the simplifier tore
-        off count with the component that they came from.
+        Components below this share of the simplified and of the raw faces are dropped. Pieces that the
+        simplifier tore off count with the component that they came from.
     tolerance : float
         A raw face stays unlabeled if it lies farther from the simplified surface than this share of the
         root of the mean simplified face area.
@@ -135,7 +136,8 @@ def simplify(
     if is_degenerate.all():
         raise MeshError("all faces of the mesh are degenerate (two corners at one place): it has no surface")
     used, compact = np.unique(merged[~is_degenerate], return_inverse=True)
-    vertices, faces = mesh.vertices[used], compact.reshape(-1, 3).astype(np.int32)
+    vertices: FloatArray = mesh.vertices[used]
+    faces: IntArray = compact.reshape(-1, 3).astype(np.int32)
     if len(faces) > n_faces:
         run = _fast if simplifier == "fast" else _qslim
         vertices, faces = monitor.call(run, vertices, faces, n_faces)
@@ -148,7 +150,7 @@ def simplify(
         raise MeshError("the mesh has no face with an area: it has no surface to segment")
     if not is_solid.all():
         small = Mesh(small.vertices, small.faces[is_solid])
-    face_map = np.full(mesh.n_faces, -1, dtype=np.int32)
+    face_map: IntArray = np.full(mesh.n_faces, -1, dtype=np.int32)
     kept_faces = np.flatnonzero(is_kept)
     face_map[kept_faces], distance = _closest(mesh.face_centroids[kept_faces], small, monitor)
 
@@ -287,7 +289,7 @@ def filter_normals(
             monitor.tick(sweep / sweeps)
             jobs = [
                 pool.submit(_sweep, here, there, areas, indptr, indices, np.float32(width), start, stop)
-                for start, stop in zip(bounds[:-1], bounds[1:])
+                for start, stop in itertools.pairwise(bounds)
             ]
             for job in jobs:
                 job.result()

@@ -59,7 +59,7 @@ class Segmentation:
 
     mesh: Mesh
     labels: IntArray
-    confidence: FloatArray | None = None
+    confidence: FloatArray = None  # type: ignore[assignment]  # set below where not given
     levels: Mapping[str, IntArray] = field(default_factory=dict)
     names: Sequence[str] = ()
     items: Items | None = None
@@ -77,14 +77,16 @@ class Segmentation:
         present[labels[labels >= 0]] = True
         if lowest < -1 or not present.all():
             raise ValueError(
-                "labels must be -1 or 0, 1, 2, … without gaps; Segmentation.from_labels(mesh, labels) renumbers"
+                "labels must be -1 or 0, 1, 2, … without gaps; "
+                "Segmentation.from_labels(mesh, labels) renumbers"
             )
         confidence = np.where(labels >= 0, 1.0, 0.0) if self.confidence is None else self.confidence
         confidence = _face_array("confidence", confidence, n, np.float32)
         levels = {}
         for name, parts in self.levels.items():
             if name not in LEVELS:
-                raise ValueError(f"levels has a key {name!r}; it must be one of {', '.join(map(repr, LEVELS))}")
+                options = ", ".join(map(repr, LEVELS))
+                raise ValueError(f"levels has a key {name!r}; it must be one of {options}")
             levels[name] = _face_array(f"levels[{name!r}]", parts, n, np.int32)
         names = tuple(self.names) or ("",) * (highest + 1)
         if len(names) != highest + 1:
@@ -130,10 +132,12 @@ class Segmentation:
             raise ValueError(f"labels go up to {highest}, but names has only {len(names)} entries")
         dense, kept = order_by_area(given, mesh.face_areas)
         kept_names = tuple(str(names[label]) for label in kept) if names else ()
-        return cls(mesh, dense, confidence, names=kept_names)
+        optional: Any = {} if confidence is None else {"confidence": confidence}
+        return cls(mesh, dense, names=kept_names, **optional)
 
     def __repr__(self) -> str:
-        return f"Segmentation({self.mesh.n_faces} faces, {self.n_segments} segments, {self.coverage:.1%} labeled)"
+        shape = f"{self.mesh.n_faces} faces, {self.n_segments} segments"
+        return f"Segmentation({shape}, {self.coverage:.1%} labeled)"
 
     @property
     def n_segments(self) -> int:
