@@ -56,7 +56,8 @@ def rand_index_error(
 ) -> float:
     """1 − RI: share of the pairs of items that one side joins and the other parts (Eq. 4.7).
 
-    With weights a pair counts w_i·w_j: (Σr² + Σs² − 2Σn²) / (W² − Σw²).
+    With weights a pair counts w_i·w_j: (Σr² + Σs² − 2Σn²) / (W² − Σw²), summed as Σn(r − n) + Σn(s − n),
+    which loses no digits.
 
     Returns
     -------
@@ -69,9 +70,10 @@ def rand_index_error(
     the sum is the reciprocal of the number of pairs.
     """
     table = _contingency(a, b, weights, unlabeled)
-    apart = (table.r**2).sum() + (table.s**2).sum() - 2 * (table.n**2).sum()
-    pairs = table.total**2 - table.squares
-    return max(float(apart) / float(pairs), 0.0) if pairs > 0 else 0.0
+    n = table.n
+    apart = (n * (table.r[table.i] - n)).sum() + (n * (table.s[table.j] - n)).sum()
+    pairs = table.total**2 - table.squares.sum()
+    return min(max(float(apart) / float(pairs), 0.0), 1.0) if pairs > 0 else 0.0
 
 
 def global_consistency_error(
@@ -163,14 +165,16 @@ def adjusted_rand_index(
     Hubert and Arabie (1985), Journal of Classification 2; pairs weigh w_i·w_j here.
     """
     table = _contingency(a, b, weights, unlabeled)
-    pairs = float(table.total**2 - table.squares)
-    together, in_a, in_b = (float((x**2).sum() - table.squares) for x in (table.n, table.r, table.s))
-    if pairs <= 0:
-        return 1.0
+    pairs = float(table.total**2 - table.squares.sum())
+    squares_a, squares_b = np.zeros_like(table.r), np.zeros_like(table.s)
+    np.add.at(squares_a, table.i, table.squares)
+    np.add.at(squares_b, table.j, table.squares)
+    together = float((table.n**2 - table.squares).sum())  # cell by cell: a lone item leaves exactly 0
+    in_a, in_b = float((table.r**2 - squares_a).sum()), float((table.s**2 - squares_b).sum())
+    if pairs <= 0 or in_a == in_b == 0 or len(table.r) == len(table.s) == 1:
+        return 1.0  # nothing to tell apart: both all singletons, or both one segment
     expected = in_a / pairs * in_b
     most = 0.5 * (in_a + in_b)
-    if most - expected <= 1e-15 * pairs:  # both all singletons, or both one segment
-        return 1.0
     return (together - expected) / (most - expected)
 
 
@@ -332,6 +336,8 @@ def _mean_radius(mesh: Mesh) -> float:
 class _Contingency:
     """Non-empty cells (i, j) of weight n with margins r (rows) and s (columns).
 
+    squares is Σw² in each cell, the pairs of an item with itself; total is W.
+
     Counts stay int64, exact to 3·10⁹ items; areas are float64.
     """
 
@@ -340,8 +346,8 @@ class _Contingency:
     n: Any
     r: Any
     s: Any
-    total: Any  # W
-    squares: Any  # Σ w², the pairs of an item with itself
+    squares: Any
+    total: Any
 
 
 def _contingency(a: Labels, b: Labels, weights: FloatArray | None, unlabeled: Unlabeled) -> _Contingency:
@@ -360,9 +366,13 @@ def _contingency(a: Labels, b: Labels, weights: FloatArray | None, unlabeled: Un
     left, n_left = _renumber(left)
     right, n_right = _renumber(right)
     value = np.ones(len(left), dtype=np.int64) if weight is None else weight
-    cells = sparse.coo_array((value, (left, right)), shape=(n_left, n_right)).tocsr().tocoo()
+    shape = (n_left, n_right)
+    cells = sparse.coo_array((value, (left, right)), shape=shape).tocsr().tocoo()
+    squares = cells.data  # of counts of 1
+    if weight is not None:
+        squares = sparse.coo_array((weight**2, (left, right)), shape=shape).tocsr().data  # in the same order
     is_filled = cells.data > 0
-    i, j, n = cells.row[is_filled], cells.col[is_filled], cells.data[is_filled]
+    i, j, n, squares = cells.row[is_filled], cells.col[is_filled], cells.data[is_filled], squares[is_filled]
     if len(n) == 0:
         raise ValueError("weights sum to 0 over the labeled items, so there is nothing to compare")
     if not is_filled.all():  # segments without weight don't exist
@@ -370,8 +380,7 @@ def _contingency(a: Labels, b: Labels, weights: FloatArray | None, unlabeled: Un
     r, s = np.zeros(n_left, dtype=n.dtype), np.zeros(n_right, dtype=n.dtype)
     np.add.at(r, i, n)
     np.add.at(s, j, n)
-    squares = (value * value).sum()
-    return _Contingency(i, j, n, r, s, n.sum(), squares)
+    return _Contingency(i, j, n, r, s, squares, n.sum())
 
 
 def _refinement_errors(table: _Contingency) -> tuple[FloatArray, FloatArray]:

@@ -239,6 +239,15 @@ def test_counts_are_exact_for_more_pairs_than_floats_can_tell_apart():
     assert metrics.rand_index_error(one_off, truth) == 2_999_999 / pairs
 
 
+def test_light_items_beside_a_heavy_one_keep_their_digits():
+    weights = np.array([1e6, 1e-3, 2e-3, 3e-3])
+    a, b = np.array([0, 1, 1, 2]), np.array([5, 6, 6, 6])
+    wrong = 1e-3 * 3e-3 + 2e-3 * 3e-3
+    pairs = 1e6 * 6e-3 + 1e-3 * 2e-3 + wrong
+    assert metrics.rand_index_error(a, b, weights) == pytest.approx(wrong / pairs, rel=1e-3)
+    assert metrics.adjusted_rand_index(a, a, weights) == pytest.approx(1, abs=1e-9)
+
+
 def test_a_million_faces_take_well_under_a_second():
     rng = np.random.default_rng(0)
     a, b = rng.integers(0, 5000, 1_000_000), rng.integers(0, 60, 1_000_000)
