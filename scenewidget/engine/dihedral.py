@@ -72,9 +72,9 @@ def dihedral_partition(
     - A flood takes no face from an earlier partition.
     - 1.0 lies in the last slot. A dot product within 1e-9 slots of a border counts for the upper slot and
       as inside a range that ends there, so rounding does not tear flat or right-angled meshes apart.
-    - If no slot is decisive when the whole component has been seen, the seed is a partition of its own; so
-      it is if ties last beyond the ring in which 256 faces have been reached. Without that
-      bound, an accordion of n equal folds would cost n² steps.
+    - If no slot is decisive when the whole component has been seen, the seed is a partition of its own.
+      So it is if ties last beyond the ring in which 256 faces have been reached: without that bound, an
+      accordion of n equal folds would cost n² steps.
     - A connected patch of faces without area takes the area-weighted mean normal of the faces around it.
     - Neighbours are those of `face_adjacency`.
     """

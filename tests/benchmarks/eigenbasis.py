@@ -51,9 +51,8 @@ def main() -> None:
     parser.add_argument("--skip-default", action="store_true", help="ours only")
     arguments = parser.parse_args()
 
-    print(
-        f"{arguments.pairs} pairs             vertices   ours s   scipy s   ratio   largest relative difference"
-    )
+    print(f"{arguments.pairs} pairs")
+    print("surface              vertices   ours s   scipy s   ratio   largest relative difference")
     for n_vertices in arguments.vertices:
         for make in (bumpy_sheet, bumpy_torus, subdivided_sphere):
             mesh = make(n_vertices)
