@@ -143,8 +143,9 @@ class SceneWidget(widgets.VBox):
 
     def close(self) -> None:
         """Stop the computation and take the widget off the page."""
-        self._worker.cancel()
-        self.view.close()
+        if "_worker" in vars(self):  # not if __init__ refused its mesh
+            self._worker.cancel()
+            self.view.close()
         super().close()
 
     def _set_params(self, params: Params) -> None:

@@ -1,0 +1,54 @@
+"""The rules that tools can hold: style, types, the direction of imports, a fast start."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["ruff", "check", "."],
+        ["ruff", "format", "--check", "."],
+        ["mypy"],
+        ["lint-imports"],
+    ],
+    ids=lambda command: " ".join(command),
+)
+def test_the_tree_passes(command):
+    tool = Path(sys.executable).parent / command[0]
+    done = subprocess.run([tool, *command[1:]], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_importing_is_light():
+    code = (
+        "import sys, time; start = time.perf_counter(); import scenewidget; "
+        "seconds = time.perf_counter() - start; "
+        "heavy = {'numba', 'scipy', 'IPython', 'ipywidgets', 'anywidget', 'pythreejs', 'trimesh', 'pandas'}; "
+        "print(sorted(heavy & set(sys.modules)), seconds < 1.0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[] True"
+
+
+def test_the_engine_runs_without_jupyter():
+    code = (
+        "import sys; import scenewidget.engine.pipeline; "
+        "print(sorted({'IPython', 'ipywidgets', 'anywidget', 'pythreejs', 'traitlets'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_every_public_name_is_there():
+    import scenewidget
+
+    for name in scenewidget.__all__:
+        assert getattr(scenewidget, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'segmnt'"):
+        _ = scenewidget.segmnt

@@ -1,0 +1,179 @@
+"""The widget without a browser: what a script sees of it."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+import shapes
+
+import scenewidget as sw
+from scenewidget.widget.worker import Worker
+
+SMALL = sw.Params(n_segments=6, n_runs=4, n_graph_runs=4)
+
+
+@pytest.fixture
+def mesh():
+    """A box of 4 × 3 × 2.4 m seen from inside."""
+    box = shapes.box(24, size=(4.0, 3.0, 2.4))
+    return sw.Mesh(box.vertices, box.faces[:, ::-1])
+
+
+@pytest.fixture
+def widget(mesh):
+    widget = sw.SceneWidget(mesh, SMALL)
+    yield widget
+    widget.close()
+
+
+def test_the_result_is_that_of_segment(widget, mesh):
+    expected = sw.segment(mesh, SMALL)
+    found = widget.wait(60)
+    np.testing.assert_array_equal(found.labels, expected.labels)
+    assert found is widget.segmentation
+    assert widget.view.n_segments == expected.n_segments
+    assert (widget.busy, widget.view.busy, widget.view.error) == (False, False, "")
+
+
+def test_its_repr_is_short_and_says_what_it_shows(widget):
+    n_segments = widget.wait(60).n_segments
+    assert repr(widget) == f"SceneWidget({widget.mesh.n_faces} faces, {n_segments} segments)"
+
+
+def test_the_scan_is_shown_before_anything_is_computed(mesh, monkeypatch):
+    gate = threading.Event()
+    run = sw.Pipeline.run
+    monkeypatch.setattr(sw.Pipeline, "run", lambda *args, **kwargs: gate.wait(30) and run(*args, **kwargs))
+    widget = sw.SceneWidget(mesh, SMALL)
+    assert widget.segmentation is None
+    assert widget.busy
+    assert len(widget.view._faces) == 12 * mesh.n_faces
+    gate.set()
+    assert widget.wait(60).n_segments == widget.view.n_segments
+    widget.close()
+
+
+def test_sliders_follow_params_and_params_follow_sliders(widget):
+    widget.wait(60)
+    controls = widget.controls
+    assert (controls.n_segments.value, controls.k_range.value, controls.tied.value) == (6, (12, 15), True)
+    controls.n_segments.value = 8
+    assert widget.params == SMALL.replace(n_segments=8)
+    assert controls.k_range.value == (16, 20)
+    controls.k_range.value = (10, 30)
+    assert widget.params == SMALL.replace(n_segments=8, k_range=(10, 30))
+    assert controls.tied.value is False
+    controls.tied.value = True
+    assert widget.params.k_range is None
+    controls.cost_exponent.value = 1.75
+    assert widget.params.cost_exponent == 1.75
+    widget.params = sw.Params.thesis(n_segments=20)
+    assert (controls.n_segments.value, controls.cost_exponent.value) == (20, 1.5)
+    widget.params = SMALL
+    widget.wait(60)
+
+
+def test_a_slider_recomputes_only_what_depends_on_it(widget):
+    widget.wait(60)
+    widget.params = SMALL.replace(k_range=(12, 15))
+    widget.wait(60)
+    widget.controls.n_segments.value = 5
+    spent = {stage for stage, seconds in widget.wait(60).timings.items() if seconds > 0}
+    assert spent == {"consensus", "segmentation"}
+
+
+def test_new_params_replace_a_computation_under_way(widget):
+    for n_segments in (3, 4, 5, 7):
+        widget.params = SMALL.replace(n_segments=n_segments)
+    np.testing.assert_array_equal(
+        widget.wait(60).labels, sw.segment(widget.mesh, SMALL.replace(n_segments=7)).labels
+    )
+
+
+def test_cancel_keeps_the_last_good_result_and_can_be_made_good(widget):
+    good = widget.wait(60)
+    widget.params = SMALL.replace(seed=1, n_runs=2000)
+    time.sleep(0.05)
+    start = time.monotonic()
+    widget.view._handle_custom_msg({"kind": "cancel"}, [])
+    assert widget.wait(10) is good
+    assert time.monotonic() - start < 5
+    assert "Cancelled" in widget.view.status
+    assert not widget.controls.rerun.disabled
+    widget.params = SMALL
+    widget.wait(60)
+    assert widget.controls.rerun.disabled
+
+
+def test_an_error_is_shown_and_raised_and_loses_nothing(widget, monkeypatch):
+    good = widget.wait(60)
+
+    def fail(*_, **__):
+        raise ValueError("<b>no</b> such thing")
+
+    monkeypatch.setattr(widget.pipeline, "run", fail)
+    widget.params = SMALL.replace(seed=3)
+    with pytest.raises(ValueError, match="such thing"):
+        widget.wait(10)
+    assert widget.view.error == "ValueError: <b>no</b> such thing"
+    assert widget.segmentation is good
+    assert not widget.busy
+
+
+def test_waiting_has_an_end(mesh, monkeypatch):
+    gate = threading.Event()
+    monkeypatch.setattr(sw.Pipeline, "run", lambda *_, **__: gate.wait(30))
+    widget = sw.SceneWidget(mesh, SMALL)
+    with pytest.raises(TimeoutError, match=r"after 0\.1 seconds"):
+        widget.wait(0.1)
+    monkeypatch.undo()
+    widget.cancel()
+    gate.set()
+    with pytest.raises(RuntimeError, match="cancelled before there was a result"):
+        widget.wait(10)
+    widget.close()
+
+
+def test_observers_are_told_of_results(widget):
+    widget.wait(60)
+    seen = []
+    widget.observe(lambda change: seen.append(change["new"]), "segmentation")
+    widget.params = SMALL.replace(n_segments=4)
+    assert seen == [widget.wait(60)]
+
+
+@pytest.mark.parametrize(
+    ("mesh", "params", "error", "message"),
+    [
+        ("no_such_file.ply", None, FileNotFoundError, "no_such_file.ply"),
+        (42, None, TypeError, "mesh must be a path"),
+        ((np.zeros((3, 3)), np.zeros((0, 3), int)), None, sw.MeshError, "faces is empty"),
+        ((np.eye(3), [[0, 1, 2]]), {"n_segments": 3}, TypeError, "params must be a Params"),
+    ],
+)
+def test_bad_input_is_refused_at_once(mesh, params, error, message):
+    with pytest.raises(error, match=message):
+        sw.SceneWidget(mesh, params)
+
+
+def test_worker_reports_nothing_of_a_task_that_was_replaced():
+    told = []
+    worker = Worker(
+        on_progress=lambda *_: None,
+        on_done=told.append,
+        on_error=told.append,
+        on_cancelled=lambda: told.append("c"),
+    )
+    started = threading.Event()
+
+    def slow(_, cancel):
+        started.set()
+        assert cancel.wait(10)
+        raise RuntimeError("a stale error")
+
+    worker.submit(slow)
+    assert started.wait(10)
+    worker.submit(lambda *_: "new")
+    assert worker.wait(10)
+    assert told == ["new"]
