@@ -15,12 +15,13 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from scenewidget import datasets, engine
+    from scenewidget import baselines, datasets, engine, metrics
     from scenewidget.engine.mesh import Mesh, MeshError, load_mesh
     from scenewidget.engine.monitor import Cancelled
     from scenewidget.engine.params import Params
     from scenewidget.engine.pipeline import Pipeline, segment
     from scenewidget.engine.segmentation import Segmentation
+    from scenewidget.evaluation import evaluate
     from scenewidget.widget.scene_view import SceneView
     from scenewidget.widget.scene_widget import SceneWidget
 
@@ -30,13 +31,14 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "load_mesh": "engine.mesh",
     "Segmentation": "engine.segmentation",
     "Cancelled": "engine.monitor",
+    "evaluate": "evaluation",
     "Params": "engine.params",
     "Pipeline": "engine.pipeline",
     "segment": "engine.pipeline",
     "SceneView": "widget.scene_view",
     "SceneWidget": "widget.scene_widget",
 }
-_MODULES = ("datasets", "engine")
+_MODULES = ("baselines", "datasets", "engine", "metrics")
 
 __all__ = [
     "Cancelled",
@@ -48,9 +50,12 @@ __all__ = [
     "SceneWidget",
     "Segmentation",
     "__version__",
+    "baselines",
     "datasets",
     "engine",
+    "evaluate",
     "load_mesh",
+    "metrics",
     "segment",
 ]
 

@@ -372,7 +372,7 @@ def _share(mesh: Mesh, items: Items, dihedral: IntArray, *, monitor: Monitor, al
 
 
 def _eigenbasis(mesh: Mesh, items: Items, *, monitor: Monitor, k: int, laplacian: Any) -> Eigenbasis:
-    return eigenbasis(items.mesh, k, laplacian=laplacian, monitor=monitor)
+    return eigenbasis(items.mesh, k + 1, laplacian=laplacian, per_component=True, monitor=monitor)  # + zero mode
 
 
 def _delta(mesh: Mesh, items: Items, *, monitor: Monitor, feature: Any) -> FloatArray:
