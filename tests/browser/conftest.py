@@ -39,6 +39,32 @@ FLAGS = [
 ]
 NO_NEWS = {"@jupyterlab/apputils-extension:notification": {"fetchNews": "false", "checkForUpdates": False}}
 START_SECONDS = 60
+PARTS = """(root, step) => {
+    const canvas = root.querySelector("canvas");
+    const box = canvas.getBoundingClientRect();
+    const [columns, rows] = [Math.floor(box.width / step), Math.floor(box.height / step)];
+    const point = (x, y) => {
+        const place = { clientX: box.left + x, clientY: box.top + y, bubbles: true };
+        canvas.dispatchEvent(new PointerEvent("pointermove", place));
+        return root.dataset.hovered;
+    };
+    const seen = [];
+    for (let row = 0; row < rows; row++) {
+        seen.push(Array.from({ length: columns }, (_, i) => point((i + 0.5) * step, (row + 0.5) * step)));
+    }
+    canvas.dispatchEvent(new PointerEvent("pointerleave"));
+    // the place of a part with the most equal places around it
+    const best = {};
+    seen.forEach((line, row) => line.forEach((part, column) => {
+        let room = 0;
+        while ([[0, 1], [1, 0], [0, -1], [-1, 0]].every(
+            ([y, x]) => seen[row + y * (room + 1)]?.[column + x * (room + 1)] === part)) room++;
+        if (!(part in best) || room > best[part].room) {
+            best[part] = { room, place: [(column + 0.5) * step, (row + 0.5) * step] };
+        }
+    }));
+    return Object.fromEntries(Object.entries(best).map(([part, { place }]) => [part, place]));
+}"""
 HARMLESS = ("favicon", "ResizeObserver loop")  # the host's own remarks
 
 
@@ -268,6 +294,10 @@ class View:
         """Move the pointer there."""
         box = self.root.locator("canvas").bounding_box()
         self.page.mouse.move(box["x"] + x, box["y"] + y)
+
+    def parts(self, step: int = 12) -> dict[str, tuple[float, float]]:
+        """Parts that a pointer meets on a raster ("" is none), each with a place well inside."""
+        return {part: tuple(place) for part, place in self.root.evaluate(PARTS, step).items()}
 
     def drag(
         self, start: tuple[float, float], end: tuple[float, float], *, button: str = "left", steps: int = 8

@@ -40,17 +40,6 @@ def colors(pixels: np.ndarray) -> int:
     return int((np.bincount(coarse) > coarse.size / 100).sum())
 
 
-def hovered_over(view, *, step: int = 24) -> dict[str, tuple[int, int]]:
-    """Parts that the pointer meets on a raster, and a place of each."""
-    width, height = view.size()
-    found: dict[str, tuple[int, int]] = {}
-    for y in range(60, int(height) - 40, step):
-        for x in range(20, int(width) - 20, step):
-            view.point(x, y)
-            found.setdefault(view.state("hovered"), (x, y))
-    return found
-
-
 @pytest.fixture
 def room(notebook):
     """The labelled room, shown."""
@@ -121,12 +110,12 @@ def test_dragging_orbits_and_reset_comes_back(room):
     book, view = room
     width, height = view.size()
     before = view.pixels()
-    parts_before = hovered_over(view, step=48).keys()
+    parts_before = view.parts().keys()
     view.drag((width / 2, height / 2), (width / 2 + 300, height / 2 + 10))
     view.settle()
     after = view.pixels()
     assert (np.abs(after.astype(int) - before) > 20).mean() > 0.05
-    assert hovered_over(view, step=48).keys() != parts_before  # another wall has opened
+    assert view.parts().keys() != parts_before  # another wall has opened
     view.root.get_by_role("button", name="Reset view").click()
     view.settle()
     view.point(3, 70)
@@ -137,7 +126,7 @@ def test_dragging_orbits_and_reset_comes_back(room):
 
 def test_the_wheel_zooms_to_the_pointer(room):
     _, view = room
-    part, place = next((part, place) for part, place in hovered_over(view).items() if part)
+    part, place = next((part, place) for part, place in view.parts().items() if part)
     view.point(*place)
     for _ in range(6):
         view.page.mouse.wheel(0, -240)
@@ -265,7 +254,7 @@ def test_dragging_from_part_to_part_asks_for_a_merge(room):
     book, view = room
     book.execute("view.mode = 'edit'; seen = []; view.on_msg(lambda _, message, __: seen.append(message))")
     view.wait("mode", "edit")
-    places = hovered_over(view)
+    places = view.parts()
     (one, start), (two, end) = [(part, place) for part, place in places.items() if part][:2]
     view.drag(start, end)
     book.page.wait_for_timeout(50)
