@@ -97,25 +97,43 @@ def co_association(keys: IntArray, weights: FloatArray | None = None) -> CoAssoc
     first = np.full(n_base, len(base), dtype=np.int64)
     np.minimum.at(first, base, np.arange(len(base)))
     table = np.ascontiguousarray(keys[first], dtype=np.int32)
-    together, seen = _count(table)
-    C = np.divide(together, seen, out=np.zeros((n_base, n_base)), where=seen > 0)
-    return CoAssociation(C, np.bincount(base, weights, n_base).astype(np.float64), base, seen / keys.shape[1])
+    C: FloatArray = _count_equal(table)  # dense (n_base, n_base) float64: 800 MB at 10 000
+    observed: FloatArray = np.broadcast_to(1.0, C.shape)
+    if table.min() >= 0:
+        C /= keys.shape[1]
+    else:
+        seen = _count_both(table)
+        np.divide(C, seen, out=C, where=seen > 0)
+        observed = seen / keys.shape[1]
+    return CoAssociation(C, np.bincount(base, weights, n_base).astype(np.float64), base, observed)
 
 
 @numba.njit(cache=True, nogil=True)
-def _count(table):  # type: ignore[no-untyped-def]
+def _count_equal(table):  # type: ignore[no-untyped-def]
+    """Runs in which two rows fall in one cluster; -1 falls in none."""
     n, runs = table.shape
-    together = np.zeros((n, n), dtype=np.float64)
-    seen = np.zeros((n, n), dtype=np.float64)
+    together = np.empty((n, n))
     for i in range(n):
         for j in range(i + 1):
-            equal, both = 0, 0
+            equal = 0
             for r in range(runs):
-                both += table[i, r] >= 0 and table[j, r] >= 0
                 equal += table[i, r] == table[j, r] and table[i, r] >= 0
             together[i, j] = together[j, i] = equal
+    return together
+
+
+@numba.njit(cache=True, nogil=True)
+def _count_both(table):  # type: ignore[no-untyped-def]
+    """Runs that saw both rows."""
+    n, runs = table.shape
+    seen = np.empty((n, n))
+    for i in range(n):
+        for j in range(i + 1):
+            both = 0
+            for r in range(runs):
+                both += table[i, r] >= 0 and table[j, r] >= 0
             seen[i, j] = seen[j, i] = both
-    return together, seen
+    return seen
 
 
 def settle_leftovers(

@@ -23,6 +23,7 @@ from scenewidget.engine.mesh import (
     FloatArray,
     IntArray,
     Mesh,
+    MeshError,
     connected_components,
     face_adjacency,
 )
@@ -137,7 +138,8 @@ def superfacet_items(
     """Superfacets of the raw mesh as items.
 
     Felzenszwalb's rule on filtered normals, w = 1 − N_i·N_j, over adjacent faces and bridges between
-    fragments; the minimum size is raised by 1.4 until at most ``n_items`` are left.
+    fragments; the minimum size is raised by 1.4 until at most ``n_items`` are left. Fragments below it that
+    float free of everything are dropped, except for the largest where 90 % of the faces can't be had without.
 
     Parameters
     ----------
@@ -156,6 +158,8 @@ def superfacet_items(
         Fragments whose borders are at most this far apart (metres) count as neighbours.
     """
     monitor = monitor or SILENT
+    if not mesh.face_areas.any():
+        raise MeshError("the mesh has no face with an area: it has no surface to segment")
     normals = filter_normals(mesh, pairs, sweeps=sweeps, monitor=monitor)
     monitor.tick(0.5)
     bridges = find_bridges(mesh, pairs, bridge)
@@ -165,31 +169,43 @@ def superfacet_items(
     order = np.argsort(weights, kind="stable")
     monitor.tick(0.7)
     size = float(min(min_faces, max(1, mesh.n_faces // n_items)))
-    has_area, crumb = mesh.face_areas > 0, size * float(np.median(mesh.face_areas))
-    floating = 0
-    label: IntArray = np.zeros(mesh.n_faces, dtype=np.int32)
+    crumb = size * float(np.median(mesh.face_areas))
     while True:
         label = felzenszwalb(mesh.n_faces, links, weights, threshold=threshold, min_size=size, order=order)
-        count = np.bincount(label)
+        count, area = np.bincount(label), np.bincount(label, mesh.face_areas)
         # what is still below the minimum has no neighbour within reach: crumbs that float in the air
-        is_floating = (count < size) & (np.bincount(label, mesh.face_areas) < crumb)
-        if count.max() < size:
-            is_floating[:] = False
-        is_floating |= np.bincount(label, has_area) == 0
-        floating = int(count[is_floating].sum())
-        n_left = int((~is_floating).sum())
-        if n_left <= n_items or size > mesh.n_faces:
+        is_kept = ((count >= size) | (area >= crumb)) & (area > 0)
+        if is_kept.sum() <= n_items or size > mesh.n_faces:
             break
         size *= 1.4
         monitor.tick(0.8)
-    item = np.where(is_floating, -1, np.cumsum(~is_floating) - 1).astype(np.int32)[label]
+    is_kept = _with_crumbs(is_kept, count, area, n_items)
+    item = np.where(is_kept, np.cumsum(is_kept) - 1, -1).astype(np.int32)[label]
     report = {
-        "superfacets": n_left,
+        "superfacets": int(is_kept.sum()),
         "smallest superfacet in faces": int(size),
-        "faces floating free of everything": floating,
+        "faces floating free of everything": int(count[~is_kept].sum()),
         "bridges between fragments": len(bridges),
     }
     return _build(mesh, item, item, links, normals, report)
+
+
+def _with_crumbs(is_kept: BoolArray, count: IntArray, area: FloatArray, n_items: int) -> BoolArray:
+    """Patches that become items: where those kept hold less than 90 % of the faces, the largest others too.
+
+    Never more than ``n_items``, the largest by area: everything behind grows with the square of it.
+    """
+    is_kept = is_kept.copy()
+    missing = 0.9 * count.sum() - count[is_kept].sum()
+    if missing > 0:
+        others = np.flatnonzero(~is_kept & (area > 0))
+        others = others[np.argsort(-area[others], kind="stable")]
+        needed = int(np.searchsorted(np.cumsum(count[others]), missing)) + 1
+        is_kept[others[: min(needed, max(0, n_items - int(is_kept.sum())))]] = True
+    if is_kept.sum() > n_items:
+        kept = np.flatnonzero(is_kept)
+        is_kept[kept[np.argsort(-area[kept], kind="stable")[n_items:]]] = False
+    return is_kept
 
 
 def find_bridges(mesh: Mesh, pairs: IntArray, reach: float) -> IntArray:

@@ -33,6 +33,7 @@ IntArray = npt.NDArray[np.integer[Any]]
 BoolArray = npt.NDArray[np.bool_]
 
 MAX_FAN = 8  # faces at one edge up to which every two of them count as adjacent
+LARGEST = 1e15  # metres: fourth powers of lengths (second moments) stay far from overflow
 SUFFIXES = (".ply", ".obj", ".glb", ".gltf", ".stl", ".off")
 
 
@@ -101,6 +102,11 @@ class Mesh:
                     "example faces[np.isfinite(vertices)[faces].all(axis=(1, 2))]"
                 )
             vertices[bad] = 0.0
+        if not np.abs(vertices).max() <= LARGEST:
+            raise MeshError(
+                f"vertices reach {np.abs(vertices).max():.3g} metres from the origin, at most {LARGEST:.0e} can be "
+                "worked with; scale the mesh to metres and move it near the origin"
+            )
         for array in (vertices, faces):
             array.flags.writeable = False
         object.__setattr__(self, "vertices", vertices)

@@ -27,7 +27,8 @@ class Monitor:
     Parameters
     ----------
     progress : callable (stage: str, fraction: float), optional
-        Called at the start (0.0) and end (1.0) of each stage and at most 20 times a second between.
+        Called at the start (0.0) and end (1.0) of each stage and at most 20 times a second between; the
+        fraction never falls within a stage.
     cancel : threading.Event, optional
         When set, the next `tick` raises `Cancelled`.
     """
@@ -43,11 +44,13 @@ class Monitor:
         self._cancel = cancel
         self._stage = ""
         self._last = 0.0
+        self._highest = 0.0
         self._lock = threading.Lock()
 
     def start(self, stage: str) -> None:
         """Name the stage that begins."""
         self._stage = stage
+        self._highest = 0.0
         self._report(0.0, always=True)
 
     def finish(self) -> None:
@@ -94,7 +97,8 @@ class Monitor:
             if not always and now - self._last < 0.05:
                 return
             self._last = now
-            self._progress(self._stage, min(max(float(fraction), 0.0), 1.0))
+            self._highest = min(max(float(fraction), self._highest), 1.0)  # estimates waver, bars don't
+            self._progress(self._stage, self._highest)
 
 
 SILENT = Monitor()

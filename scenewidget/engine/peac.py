@@ -19,6 +19,7 @@ import numpy as np
 from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.monitor import SILENT, Monitor
+from scenewidget.engine.threads import one_blas_thread
 
 __all__ = ["PeacResult", "peac"]
 
@@ -105,7 +106,8 @@ def peac(
     for run, child in enumerate(children):
         rng = np.random.default_rng(child)
         Y = _start(C, weights, n_clusters, init if run == 0 else "dirichlet", rng)
-        result = _solve(C, weights, Y, diagonal, tolerance, max_sweeps, rng, monitor)
+        with one_blas_thread():  # small products between the sweeps; their rounding must not depend on cores
+            result = _solve(C, weights, Y, diagonal, tolerance, max_sweeps, rng, monitor)
         if best is None or result.objective < best.objective:
             best = result
     assert best is not None

@@ -610,6 +610,12 @@ def _segmentation(
     face_map = items.face_map
     raw = np.append(labels, -1)[face_map]
     dense, kept = order_by_area(raw, mesh.face_areas)
+    if (dense >= 0).mean() < 0.5:
+        warnings.warn(
+            f"only {(dense >= 0).mean():.1%} of the faces are labeled: the mesh is in many pieces, and most were "
+            "too small to keep (see report); weld it first, or raise n_items or bridge with items='superfacets'",
+            stacklevel=2,
+        )
     rank = np.full(int(labels.max()) + 1, -1, dtype=np.int32)
     rank[kept] = np.arange(len(kept), dtype=np.int32)
     is_raw = items.mesh is mesh

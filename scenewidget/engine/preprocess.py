@@ -280,7 +280,7 @@ def filter_normals(
     """
     monitor = monitor or SILENT
     indptr, indices = neighbor_table(mesh.n_faces, pairs)
-    areas = mesh.face_areas.astype(np.float32)
+    areas = (mesh.face_areas / max(float(mesh.face_areas.max()), 1e-300)).astype(np.float32)  # any unit fits
     here = mesh.face_normals.astype(np.float32)
     there = here.copy()
     bounds = np.linspace(0, mesh.n_faces, n_threads + 1).astype(np.int64)
