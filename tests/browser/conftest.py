@@ -246,8 +246,11 @@ class Notebook:
     def view(self, index: int = 0, *, timeout: float = 30) -> View:
         """The n-th view of the notebook, once its first frame is drawn."""
         root = self.page.locator(".scenewidget").nth(index)
-        self.page.locator('.scenewidget[data-ready="true"]').nth(index).wait_for(timeout=1000 * timeout)
-        root.scroll_into_view_if_needed()
+        root.wait_for(state="attached", timeout=1000 * timeout)
+        root.evaluate("root => root.scrollIntoView({ block: 'center' })")  # off screen, nothing is drawn
+        self.page.wait_for_function(
+            "root => root.dataset.ready === 'true'", arg=root.element_handle(), timeout=1000 * timeout
+        )
         return View(self.page, root)
 
     def close(self) -> None:

@@ -1,0 +1,52 @@
+"""Notebook 01 as a reader goes through it: run it, look at the room, move a slider."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+
+NOTEBOOK = Path(__file__).parent.parent.parent / "notebooks" / "01_segment_a_room.ipynb"
+
+
+def colours(pixels: np.ndarray) -> int:
+    """How many different colours there are, each on a hundredth of the picture at least."""
+    coarse = (pixels[60:-40] // 32).reshape(-1, 3).astype(int) @ [64, 8, 1]
+    return int((np.bincount(coarse) > coarse.size / 100).sum())
+
+
+def test_notebook_01_segments_the_room(notebook, jupyter):
+    shutil.copy(NOTEBOOK, jupyter.folder)
+    book = notebook(["None"], height=1000)
+    book.open_file(NOTEBOOK.name)
+    book.run_all()
+    view = book.view(timeout=120)
+    view.page.wait_for_function(
+        """() => [...window.jupyterapp.shell.currentWidget.context.model.cells]
+            .filter(cell => cell.type === 'code').every(cell => cell.executionCount !== null)""",
+        timeout=120_000,
+    )
+    assert book.evaluate("type(w.segmentation).__name__") == "'Segmentation'"
+    n_segments = int(book.evaluate("w.wait().n_segments"))
+    view.wait("busy", "false")
+    view.wait("segments", str(n_segments))
+    assert n_segments > 10
+    view.settle()
+    assert colours(view.pixels()) >= 6  # not blank, and segments differ
+
+    for label, value in (("Segments S", "40"), ("Cost exponent C", "2.00")):
+        slider = book.page.locator(".widget-slider").filter(has_text=label).first
+        readout = slider.locator(".widget-readout")
+        readout.click()
+        book.page.keyboard.press("Control+A")
+        book.page.keyboard.type(value)
+        book.page.keyboard.press("Enter")
+    book.page.wait_for_function(
+        "([root, before]) => root.dataset.busy === 'false' && root.dataset.segments !== before",
+        arg=[view.root.element_handle(), str(n_segments)],
+        timeout=60_000,
+    )
+    book.execute("w.wait()")
+    assert book.evaluate("(w.params.n_segments, w.params.cost_exponent)") == "(40, 2.0)"
+    view.wait("busy", "false")
+    assert int(view.state("segments")) == int(book.evaluate("w.segmentation.n_segments"))
+    assert book.errors == []
