@@ -7,6 +7,7 @@ Goes in: a file, a trimesh, or arrays. Comes out: a checked, read-only `Mesh` an
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -104,8 +105,8 @@ class Mesh:
             vertices[bad] = 0.0
         if not np.abs(vertices).max() <= LARGEST:
             raise MeshError(
-                f"vertices reach {np.abs(vertices).max():.3g} metres from the origin, at most {LARGEST:.0e} can be "
-                "worked with; scale the mesh to metres and move it near the origin"
+                f"vertices reach {np.abs(vertices).max():.3g} metres from the origin, and at most {LARGEST:.0e} "
+                "can be worked with; scale the mesh to metres and move it near the origin"
             )
         for array in (vertices, faces):
             array.flags.writeable = False
@@ -159,7 +160,10 @@ def _read_only(array: FloatArray) -> FloatArray:
 
 
 def _number_array(name: str, value: Any) -> npt.NDArray[Any]:
-    array = np.asarray(value)
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise MeshError(f"{name} must have as many entries in every row ({error})") from None
     if array.dtype.kind not in "iuf":
         raise TypeError(
             f"{name} must be an array of numbers, got {type(value).__name__} of dtype {array.dtype}"
@@ -284,7 +288,8 @@ def load_mesh(source: str | os.PathLike[str] | tuple[Any, Any] | Any) -> Mesh:
     ----------
     source : path, trimesh.Trimesh, Mesh, or (vertices, faces)
         Files: PLY, OBJ, GLB, glTF, STL, OFF. Polygons are cut into triangles; the parts of a scene are
-        put together with their transforms. Faces keep the order of the file, duplicates included.
+        put together with their transforms. Triangles keep the order of the file, duplicates included; where
+        it mixes them with larger polygons, all triangles come first.
 
     Returns
     -------
@@ -326,23 +331,27 @@ def _load_file(path: Path) -> Mesh:
         raise MeshError(f"can't read {path.name!r}: suffix must be one of {', '.join(SUFFIXES)}")
     if path.stat().st_size == 0:
         raise MeshError(f"{path.name!r} is empty")
-    declared = _ply_face_count(path) if path.suffix.lower() == ".ply" else None
+    declared = _declared_faces(path)
+    keep_order = {"group_material": False} if path.suffix.lower() == ".obj" else {}
     try:
-        loaded = trimesh.load(path, process=False, maintain_order=True)
+        loaded = trimesh.load(path, process=False, maintain_order=True, **keep_order)
         if isinstance(loaded, trimesh.Scene):
             loaded = loaded.to_mesh()
     except Exception as error:  # trimesh raises whatever its parser stumbles over
+        hint = "; if its faces differ in their number of corners, split them into triangles first"
+        hint = hint if "unexpected length" in str(error) else ""
         raise MeshError(
             f"{path.name!r} is damaged, truncated or not a {path.suffix} file "
-            f"({type(error).__name__}: {error})"
+            f"({type(error).__name__}: {error}){hint}"
         ) from error
-    if not hasattr(loaded, "faces") or len(loaded.faces) == 0:
-        raise MeshError(f"{path.name!r} holds no triangles, only points or curves; a surface mesh is needed")
-    if declared is not None and len(loaded.faces) < declared:
+    n_faces = len(loaded.faces) if hasattr(loaded, "faces") else 0
+    if n_faces < declared:
         raise MeshError(
-            f"{path.name!r} is truncated: its header promises {declared} faces, "
-            f"{len(loaded.faces)} could be read"
+            f"{path.name!r} is damaged or truncated: its header promises {declared} faces, "
+            f"{n_faces} could be read"
         )
+    if n_faces == 0:
+        raise MeshError(f"{path.name!r} holds no triangles, only points or curves; a surface mesh is needed")
     return _from_trimesh(loaded)
 
 
@@ -357,25 +366,88 @@ def _from_trimesh(loaded: Any) -> Mesh:
     return Mesh(loaded.vertices, loaded.faces, colors)
 
 
-def _ply_face_count(path: Path) -> int | None:
-    """Faces that a PLY header promises; checks the header, so that no forged count allocates memory."""
+def _declared_faces(path: Path) -> int:
+    """Faces that the file promises, 0 where the format has no count.
+
+    What the libraries below would take without a word is refused here: a forged count that allocates
+    memory, a file that ends too early, a face with fewer than three corners.
+    """
+    check = {".ply": _check_ply, ".off": _check_off, ".stl": _check_stl, ".obj": _check_obj}
+    run = check.get(path.suffix.lower())
+    return 0 if run is None else run(path)
+
+
+def _check_ply(path: Path) -> int:
     with path.open("rb") as file:
-        head = file.read(65_536)
+        head = file.read(1 << 20)
     if not head.startswith(b"ply"):
         raise MeshError(f"{path.name!r} does not start with 'ply': it is not a PLY file, or damaged")
     end = head.find(b"end_header")
     if end < 0:
         raise MeshError(f"{path.name!r} is truncated: its PLY header has no end")
     room = path.stat().st_size - end
-    count = None
+    count, total = 0, 0
     for line in head[:end].decode("ascii", "replace").splitlines():
         words = line.split()
         if len(words) == 3 and words[0] == "element":
-            if not words[2].isdigit() or int(words[2]) > room:
+            if not words[2].isdecimal() or int(words[2]) > room:
                 raise MeshError(
                     f"{path.name!r} is damaged or truncated: its header promises {words[2]} of element "
                     f"{words[1]!r}, but only {room} bytes follow"
                 )
+            total += int(words[2])
             if words[1] == "face":
                 count = int(words[2])
+    if re.search(rb"^format\s+ascii", head[:end], re.MULTILINE):
+        _check_lines(path, total + len(re.findall(rb"^.*\S", head[:end], re.MULTILINE)) + 1)
     return count
+
+
+def _check_off(path: Path) -> int:
+    with path.open("rb") as file:
+        head = re.sub(rb"#[^\n]*", b"", file.read(1 << 16))
+    counts = re.match(rb"\s*[A-Za-z]*OFF\s+(\d+)\s+(\d+)\s", head)
+    if counts is None:
+        return 0
+    _check_lines(path, int(counts[1]) + int(counts[2]) + counts[0].count(b"\n"))
+    return int(counts[2])
+
+
+def _check_lines(path: Path, least: int) -> None:
+    """Each element of a text file has a line: the only trace that a cut leaves among polygons."""
+    with path.open("rb") as file:
+        count = sum(1 for line in file if not line.isspace())
+    if count < least:
+        raise MeshError(
+            f"{path.name!r} is damaged or truncated: its header promises at least {least} lines, "
+            f"and it has {count}"
+        )
+
+
+def _check_stl(path: Path) -> int:
+    with path.open("rb") as file:
+        head = file.read(1024)
+        file.seek(0, os.SEEK_END)
+        size = file.tell()
+        file.seek(max(0, size - 1024))
+        tail = file.read()
+    count = int.from_bytes(head[80:84], "little")
+    if size == 84 + 50 * count:
+        return count
+    if head.lstrip()[:5].lower() != b"solid":
+        raise MeshError(
+            f"{path.name!r} is damaged or truncated: its header promises {count} faces "
+            f"in {84 + 50 * count} bytes, and it has {size}"
+        )
+    if b"endsolid" not in tail.lower():
+        raise MeshError(f"{path.name!r} is truncated: it does not end with 'endsolid'")
+    return 0
+
+
+def _check_obj(path: Path) -> int:
+    data = path.read_bytes()
+    if re.search(rb"^[ \t]*f(?:[ \t]+[^\s\\]+){0,2}[ \t]*\r?$", data, re.MULTILINE):
+        raise MeshError(f"{path.name!r} is damaged or truncated: it has a face with fewer than three corners")
+    if re.search(rb"^[ \t]*f[ \t](?:[^\n]*[ \t])?0+(?=[/\s]|\Z)", data, re.MULTILINE):
+        raise MeshError(f"{path.name!r} has a face with vertex 0, but OBJ files number vertices from 1")
+    return 0

@@ -612,8 +612,8 @@ def _segmentation(
     dense, kept = order_by_area(raw, mesh.face_areas)
     if (dense >= 0).mean() < 0.5:
         warnings.warn(
-            f"only {(dense >= 0).mean():.1%} of the faces are labeled: the mesh is in many pieces, and most were "
-            "too small to keep (see report); weld it first, or raise n_items or bridge with items='superfacets'",
+            f"only {(dense >= 0).mean():.1%} of the faces are labeled: the mesh is in many pieces, and most "
+            "were too small to keep (see report); weld it first, or use items='superfacets' with more n_items",
             stacklevel=2,
         )
     rank = np.full(int(labels.max()) + 1, -1, dtype=np.int32)
