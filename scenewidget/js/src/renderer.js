@@ -1,8 +1,8 @@
 /**
  * All that touches WebGL: a mesh into a buffer of face numbers, that buffer into a picture.
  *
- * The mesh is drawn when the camera, the size or the mesh changes (`drawFaces`); colours, outlines and
- * highlights need the small full-screen pass alone (`drawPicture`), whatever the size of the mesh.
+ * The mesh is drawn when the camera, the size or the mesh changes (`drawFaces`); other labels and colours need
+ * a full-screen pass (`paint`), other highlights a smaller one (`drawPicture`), whatever the size of the mesh.
  */
 
 import {
@@ -21,11 +21,13 @@ import {
   RedIntegerFormat,
   RGBAFormat,
   RGBAIntegerFormat,
+  RGIntegerFormat,
   Scene,
   Camera as ThreeCamera,
   UnsignedByteType,
   UnsignedIntType,
   UnsignedShortType,
+  Vector2,
   Vector3,
   WebGLRenderer,
   WebGLRenderTarget,
@@ -33,7 +35,14 @@ import {
 import { frame, projectionView } from "./camera.js";
 import { drawable, gather } from "./geometry.js";
 import { NONE } from "./partition.js";
-import { FACES_FRAGMENT, FACES_VERTEX, PICTURE_FRAGMENT, RELIEF_FRAGMENT, SCREEN_VERTEX } from "./shaders.js";
+import {
+  FACES_FRAGMENT,
+  FACES_VERTEX,
+  PAINT_FRAGMENT,
+  PICTURE_FRAGMENT,
+  RELIEF_FRAGMENT,
+  SCREEN_VERTEX,
+} from "./shaders.js";
 
 /** @typedef {import("./camera.js").Camera} Camera */
 /** @typedef {import("./camera.js").Ball} Ball */
@@ -85,6 +94,17 @@ export class SceneRenderer {
       reach: 1,
     });
     this.picture = screenMaterial(PICTURE_FRAGMENT, {
+      painted: null,
+      keys: null,
+      hasOutlines: true,
+      scale: 1,
+      width: 1,
+      last: new Vector2(),
+      pulse: 0,
+      hovered: NONE,
+      picked: NONE,
+    });
+    this.paints = screenMaterial(PAINT_FRAGMENT, {
       numbers: null,
       scan: null,
       relief: null,
@@ -95,19 +115,14 @@ export class SceneRenderer {
       colorBy: 2,
       hasScan: false,
       hasPartition: false,
-      hasOutlines: true,
       outlinesParts: false,
       mixing: 1,
-      scale: 1,
-      width: 1,
-      pulse: 0,
-      hovered: NONE,
-      picked: NONE,
       plain: new Vector3(),
       unlabelled: new Vector3(),
     });
     this.meshScene = new Scene();
     this.reliefScene = screenScene(this.relief);
+    this.paintScene = screenScene(this.paints);
     this.pictureScene = screenScene(this.picture);
     /** @type {Mesh | null} */
     this.fine = null;
@@ -119,6 +134,12 @@ export class SceneRenderer {
     /** @type {WebGLRenderTarget | null} */
     this.numbers = null;
     this.reliefTarget = new WebGLRenderTarget(1, 1, { depthBuffer: false, ...nearest() });
+    this.painted = new WebGLRenderTarget(1, 1, { count: 2, depthBuffer: false, ...nearest() });
+    Object.assign(this.painted.textures[1], {
+      format: RGIntegerFormat,
+      type: UnsignedIntType,
+      internalFormat: "RG32UI",
+    });
   }
 
   /** @param {MeshArrays} arrays */
@@ -204,8 +225,8 @@ export class SceneRenderer {
     this.three.setRenderTarget(target);
     this.three.clear();
     this.three.render(this.meshScene, this.camera);
-    Object.assign(this.relief.uniforms.near, { value: near });
-    Object.assign(this.relief.uniforms.far, { value: far });
+    this.relief.uniforms.near.value = near;
+    this.relief.uniforms.far.value = far;
     this.relief.uniforms.size.value = bounds.radius;
     this.relief.uniforms.reach.value = Math.max(1, this.size.ratio * scale);
     this.relief.uniforms.depth.value = target.depthTexture;
@@ -214,25 +235,44 @@ export class SceneRenderer {
     this.#uniform("numbers", target.textures[0]);
     this.#uniform("scan", target.textures[target.textures.length - 1]);
     this.#uniform("relief", this.reliefTarget.texture);
-    this.#uniform("scale", width / this.size.width);
-    this.#uniform("width", Math.max(1, Math.round(this.size.ratio * scale)));
+    this.picture.uniforms.scale.value = width / this.size.width;
+    const isSmooth = scale > 1;
+    if (isSmooth !== "IS_SMOOTH" in this.picture.defines) {
+      this.picture.defines = isSmooth ? { IS_SMOOTH: 1 } : {};
+      this.picture.needsUpdate = true;
+    }
+    this.picture.uniforms.width.value = Math.max(1, Math.round(this.size.ratio * scale));
+    this.picture.uniforms.last.value.set(width - 1, height - 1);
   }
 
   /**
-   * Pass 2: the buffer of face numbers as a picture.
+   * Pass 2: from faces to segments, parts and colours.
+   * @param {Look} look
+   */
+  paint(look) {
+    if (!this.numbers) return;
+    this.#uniform("colorBy", look.colorBy);
+    this.#uniform("mixing", look.mixing);
+    this.#uniform("outlinesParts", look.outlinesParts);
+    this.paints.uniforms.plain.value.set(...(look.isDark ? [0.78, 0.78, 0.77] : [0.86, 0.855, 0.84]));
+    this.paints.uniforms.unlabelled.value.set(...(look.isDark ? [0.5, 0.51, 0.53] : [0.7, 0.7, 0.71]));
+    this.painted.setSize(this.numbers.width, this.numbers.height);
+    this.three.setRenderTarget(this.painted);
+    this.three.render(this.paintScene, this.camera);
+    this.picture.uniforms.painted.value = this.painted.textures[0];
+    this.picture.uniforms.keys.value = this.painted.textures[1];
+  }
+
+  /**
+   * Pass 3: onto the screen, with outlines and highlights.
    * @param {Look} look
    */
   drawPicture(look) {
     if (!this.numbers) return;
-    this.#uniform("colorBy", look.colorBy);
-    this.#uniform("mixing", look.mixing);
-    this.#uniform("hasOutlines", look.outlines);
-    this.#uniform("outlinesParts", look.outlinesParts);
-    this.#uniform("hovered", look.hovered);
-    this.#uniform("picked", look.picked);
-    this.#uniform("pulse", look.pulse);
-    this.picture.uniforms.plain.value.set(...(look.isDark ? [0.78, 0.78, 0.77] : [0.86, 0.855, 0.84]));
-    this.picture.uniforms.unlabelled.value.set(...(look.isDark ? [0.5, 0.51, 0.53] : [0.7, 0.7, 0.71]));
+    this.picture.uniforms.hasOutlines.value = look.outlines;
+    this.picture.uniforms.hovered.value = look.hovered;
+    this.picture.uniforms.picked.value = look.picked;
+    this.picture.uniforms.pulse.value = look.pulse;
     this.three.setRenderTarget(null);
     this.three.clear();
     this.three.render(this.pictureScene, this.camera);
@@ -253,9 +293,9 @@ export class SceneRenderer {
   /** Give everything back, the context too: browsers allow about sixteen. */
   dispose() {
     for (const mesh of [this.fine, this.coarse]) mesh?.geometry.dispose();
-    for (const { value } of Object.values(this.picture.uniforms)) value?.isTexture && value.dispose();
-    for (const thing of [this.faces, this.relief, this.picture, this.numbers, this.reliefTarget])
-      thing?.dispose();
+    for (const { value } of Object.values(this.paints.uniforms)) value?.isTexture && value.dispose();
+    for (const thing of [this.faces, this.relief, this.paints, this.picture]) thing.dispose();
+    for (const target of [this.numbers, this.reliefTarget, this.painted]) target?.dispose();
     this.three.dispose();
     this.three.forceContextLoss();
   }
@@ -296,12 +336,12 @@ export class SceneRenderer {
 
   /** @param {string} name @param {unknown} value */
   #uniform(name, value) {
-    this.picture.uniforms[name].value = value;
+    this.paints.uniforms[name].value = value;
   }
 
   /** @param {string} name @param {DataTexture} texture */
   #texture(name, texture) {
-    this.picture.uniforms[name].value?.dispose();
+    this.paints.uniforms[name].value?.dispose();
     this.#uniform(name, texture);
   }
 }
@@ -332,6 +372,7 @@ function screenMaterial(fragmentShader, values) {
     glslVersion: GLSL3,
     vertexShader: SCREEN_VERTEX,
     fragmentShader,
+    defines: {},
     blending: NoBlending,
     depthTest: false,
     depthWrite: false,

@@ -1,6 +1,9 @@
 /**
- * The three passes. Faces: number and light of the face at each pixel, and the scan's colour.
- * Relief: how far a pixel lies behind its surroundings. Picture: colours, outlines and highlights.
+ * The four passes, each on what the one before left.
+ *
+ * Faces: number and light of the face at each pixel, and the scan's colour. Relief: how far a pixel lies behind
+ * its surroundings. Paint: from face to atom to part, segment and colour. Picture: outlines and highlights.
+ * Only the last one runs while a part blinks, so it looks up as little as it can.
  */
 
 export const FACES_VERTEX = `
@@ -91,42 +94,40 @@ void main() {
   relief = vec4(1.0 - 0.45 * edge / 8.0 - 0.5 * hollow / 14.0, 0.0, 0.0, 1.0);
 }`;
 
-export const PICTURE_FRAGMENT = `
+export const PAINT_FRAGMENT = `
 precision highp float;
 precision highp int;
 precision highp usampler2D;
 uniform sampler2D numbers, scan, relief, colormap;
 uniform usampler2D faceAtom, atoms, faceValue;
 uniform int colorBy; // 0 by the table, 1 scan, 2 plain, 3 values
-uniform bool hasScan, hasPartition, hasOutlines, outlinesParts;
-uniform float mixing, scale, width, pulse;
-uniform uint hovered, picked;
+uniform bool hasScan, hasPartition, outlinesParts;
+uniform float mixing;
 uniform vec3 plain, unlabelled;
-out vec4 picture;
+layout(location = 0) out vec4 painted;
+layout(location = 1) out uvec2 keys; // what outlines separate, and the part
 
 const uint NONE = 0xffffffffu;
+const uint BACKGROUND = 0xfffffffeu;
 
 ivec2 cell(uint i, int width) { return ivec2(int(i) % width, int(i) / width); }
 
-uint faceAt(ivec2 place) {
-  vec3 bytes = texelFetch(numbers, place, 0).rgb * 255.0 + 0.5;
-  return uint(bytes.r) | uint(bytes.g) << 8 | uint(bytes.b) << 16;
-}
-
-uvec4 atomOf(uint face) {
-  uint atom = texelFetch(faceAtom, cell(face - 1u, textureSize(faceAtom, 0).x), 0).r;
-  return texelFetch(atoms, cell(atom, textureSize(atoms, 0).x), 0);
-}
-
-vec4 shade(ivec2 place) {
+void main() {
+  ivec2 place = ivec2(gl_FragCoord.xy);
   vec4 here = texelFetch(numbers, place, 0);
   uvec3 bytes = uvec3(here.rgb * 255.0 + 0.5);
   uint face = bytes.r | bytes.g << 8 | bytes.b << 16;
   if (face == 0u) {
-    return vec4(0.0);
+    painted = vec4(0.0);
+    keys = uvec2(BACKGROUND);
+    return;
+  }
+  uvec4 atom = uvec4(NONE, NONE, 0u, 0u);
+  if (hasPartition) {
+    uint number = texelFetch(faceAtom, cell(face - 1u, textureSize(faceAtom, 0).x), 0).r;
+    atom = texelFetch(atoms, cell(number, textureSize(atoms, 0).x), 0);
   }
   vec3 ground = hasScan ? texelFetch(scan, place, 0).rgb : plain;
-  uvec4 atom = hasPartition ? atomOf(face) : uvec4(NONE, NONE, 0u, 0u);
   vec3 color = ground;
   if (colorBy == 0) {
     color = unlabelled;
@@ -142,37 +143,52 @@ vec4 shade(ivec2 place) {
   float light = here.a * texelFetch(relief, place, 0).r;
   vec3 shadow = vec3(0.34, 0.35, 0.42);
   float strength = colorBy == 1 ? 0.5 : 1.0; // a scan brings shadows of its own
-  vec3 lit = color * mix(vec3(1.0), mix(shadow, vec3(1.08, 1.07, 1.05), light), strength);
+  painted = vec4(color * mix(vec3(1.0), mix(shadow, vec3(1.08, 1.07, 1.05), light), strength), 1.0);
+  keys = uvec2(outlinesParts ? atom.g : atom.r, atom.g);
+}`;
 
-  bool isHovered = hovered != NONE && atom.g == hovered;
-  bool isPicked = picked != NONE && atom.g == picked;
-  vec3 glow = dot(lit, vec3(0.3, 0.6, 0.1)) > 0.6 ? vec3(0.12, 0.16, 0.3) : vec3(1.0);
-  if (isHovered) lit = mix(lit, glow, 0.1 + 0.3 * pulse);
-  if (isPicked) lit = mix(lit, glow, 0.35);
-  if (hasPartition && (hasOutlines || hovered != NONE)) {
-    float between = 0.0;
-    float around = 0.0;
-    ivec2 last = textureSize(numbers, 0) - 1;
-    for (int i = 0; i < 4; i++) {
-      ivec2 way = ivec2(i < 2 ? (i == 0 ? 1 : -1) : 0, i < 2 ? 0 : (i == 2 ? 1 : -1));
-      ivec2 there = clamp(place + way * int(width), ivec2(0), last);
-      uint other = faceAt(there);
-      if (other == face || other == 0u) continue;
-      uvec4 beside = atomOf(other);
-      between += float(outlinesParts ? beside.g != atom.g : beside.r != atom.r);
-      around += float((beside.g == hovered) != (atom.g == hovered));
-    }
-    if (hasOutlines) lit *= 1.0 - 0.5 * min(1.0, 0.5 * between);
-    if (hovered != NONE) lit = mix(lit, glow, 0.7 * min(1.0, 0.5 * around));
+export const PICTURE_FRAGMENT = `
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+uniform sampler2D painted;
+uniform usampler2D keys;
+uniform bool hasOutlines;
+uniform float scale, pulse;
+uniform int width;
+uniform ivec2 last;
+uniform uint hovered, picked;
+out vec4 picture;
+
+const uint NONE = 0xffffffffu;
+const uint BACKGROUND = 0xfffffffeu;
+
+vec4 shade(ivec2 place) {
+  vec4 color = texelFetch(painted, place, 0);
+  if (color.a == 0.0 || (!hasOutlines && hovered == NONE && picked == NONE)) return color;
+  uvec2 here = texelFetch(keys, place, 0).rg;
+  uvec2 right = texelFetch(keys, ivec2(min(place.x + width, last.x), place.y), 0).rg;
+  uvec2 above = texelFetch(keys, ivec2(place.x, min(place.y + width, last.y)), 0).rg;
+  bool isRight = right.g != BACKGROUND;
+  bool isAbove = above.g != BACKGROUND;
+  if (hasOutlines && ((isRight && right.r != here.r) || (isAbove && above.r != here.r))) color.rgb *= 0.5;
+  if (hovered != NONE || picked != NONE) {
+    bool isIn = here.g == hovered;
+    bool isBorder = (isRight && (right.g == hovered) != isIn) || (isAbove && (above.g == hovered) != isIn);
+    vec3 glow = dot(color.rgb, vec3(0.3, 0.6, 0.1)) > 0.6 ? vec3(0.12, 0.16, 0.3) : vec3(1.0);
+    float amount = here.g == picked && picked != NONE ? 0.35 : 0.0;
+    if (isIn) amount = max(amount, 0.1 + 0.3 * pulse);
+    if (hovered != NONE && isBorder) amount = 0.65;
+    color.rgb = mix(color.rgb, glow, amount);
   }
-  return vec4(lit, 1.0);
+  return color;
 }
 
 void main() {
-  if (scale < 1.5) {
-    picture = shade(ivec2(gl_FragCoord.xy * scale));
-    return;
-  }
+#ifdef IS_SMOOTH // a variant of its own: software renderers run both sides of an if
   ivec2 place = 2 * ivec2(gl_FragCoord.xy);
   picture = 0.25 * (shade(place) + shade(place + ivec2(1, 0)) + shade(place + ivec2(0, 1)) + shade(place + 1));
+#else
+  picture = shade(ivec2(gl_FragCoord.xy * scale));
+#endif
 }`;

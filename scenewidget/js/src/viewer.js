@@ -38,6 +38,11 @@ const SWIFT_MS = 12; // one that takes less can be drawn twice as fine, which sm
 const COARSE_FACES = 120_000;
 const ORBIT_SPEED = 0.0075; // radians a pixel
 
+// what has to be done again; each implies those below it
+const PICTURE = 1;
+const PAINT = 2;
+const FACES = 3;
+
 const COLOR_CODES = { segments: 0, parts: 0, scan: 1, shaded: 2, values: 3 };
 
 export class Viewer {
@@ -76,7 +81,7 @@ export class Viewer {
       picked: NONE,
     };
     this.isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.needs = { faces: false, picture: false };
+    this.needs = 0;
     this.isMoving = false;
     this.isPlaced = false;
     this.hasDrawn = false;
@@ -110,13 +115,13 @@ export class Viewer {
       this.renderer.setFaceAtoms(partition?.faceAtom ?? null);
     this.partition = partition;
     if (partition) this.renderer.setAtomTable(atomTable(partition, this.look.colorBy));
-    this.#draw({ faces: false });
+    this.#draw(PAINT);
   }
 
   /** @param {Uint16Array} values @param {Uint8Array} colormap */
   setValues(values, colormap) {
     this.renderer.setValues(values, colormap);
-    this.#draw({ faces: false });
+    this.#draw(PAINT);
   }
 
   /** @param {Partial<Viewer["look"]>} changes */
@@ -127,7 +132,10 @@ export class Viewer {
       this.renderer.setAtomTable(atomTable(this.partition, this.look.colorBy));
     }
     if (this.look.hovered !== before.hovered) this.#blink();
-    this.#draw({ faces: this.look.backFaces !== before.backFaces });
+    const isNew = (/** @type {keyof Viewer["look"]} */ name) => this.look[name] !== before[name];
+    if (isNew("backFaces")) this.#draw(FACES);
+    else if (isNew("colorBy") || isNew("mixing") || isNew("isDark")) this.#draw(PAINT);
+    else if (isNew("outlines") || isNew("hovered") || isNew("picked")) this.#draw(PICTURE);
   }
 
   /** @param {number} width @param {number} height  CSS pixels */
@@ -317,10 +325,9 @@ export class Viewer {
     return number === 0 ? null : number - 1;
   }
 
-  #draw({ faces = true } = {}) {
-    if (faces) this.onMove();
-    this.needs.picture = true;
-    this.needs.faces ||= faces;
+  #draw(needs = FACES) {
+    if (needs === FACES) this.onMove();
+    this.needs = Math.max(this.needs, needs);
     if (!this.request) this.request = requestAnimationFrame(() => this.#frame());
   }
 
@@ -328,21 +335,23 @@ export class Viewer {
     this.request = 0;
     if (this.isDisposed || this.isLost || !this.mesh || !this.isPlaced || this.size.width < 1) return;
     this.#advanceFlight();
-    const { faces, picture } = this.needs;
-    this.needs = { faces: false, picture: false };
+    const needs = this.needs;
+    this.needs = 0;
     const nFaces = this.mesh.faces.length / 3;
     const isSlow = this.cost === null ? nFaces > 3 * COARSE_FACES : this.cost > SMOOTH_MS;
     const isDraft = this.isMoving && isSlow;
     const began = performance.now();
-    if (faces) {
+    if (needs === FACES) {
       this.snapshot = null;
       this.drawing++;
       const { backFaces } = this.look;
       const scale = isDraft ? 0.6 : this.isSwift ? 2 : 1;
       this.renderer.drawFaces(this.camera, { scale, isCoarse: isDraft, backFaces });
     }
-    if (picture) this.renderer.drawPicture(this.#currentLook());
-    if (faces && !this.isMoving) this.#readNumbers(began);
+    const look = this.#currentLook();
+    if (needs >= PAINT) this.renderer.paint(look);
+    this.renderer.drawPicture(look);
+    if (needs === FACES && !this.isMoving) this.#readNumbers(began);
     if (!this.hasDrawn) {
       this.hasDrawn = true;
       requestAnimationFrame(() => this.onFirstFrame());
@@ -383,7 +392,7 @@ export class Viewer {
     this.blinkBegan = performance.now();
     if (this.isStill || this.look.hovered === NONE) return;
     const tick = () => {
-      this.#draw({ faces: false });
+      this.#draw(PICTURE);
       this.blinkTimer = window.setTimeout(tick, (this.cost ?? 0) > SMOOTH_MS ? 90 : 40);
     };
     this.blinkTimer = window.setTimeout(tick, 40);
