@@ -14,8 +14,8 @@ from scenewidget.engine.params import Params
 
 __all__ = ["ParamsControls"]
 
-STYLE = {"description_width": "7.5rem"}
-SLIDER = {"width": "26rem", "max_width": "100%"}
+STYLE = {"description_width": "7rem"}
+SLIDER = {"width": "25rem", "max_width": "100%"}
 
 
 class ParamsControls(widgets.VBox):
@@ -35,8 +35,7 @@ class ParamsControls(widgets.VBox):
     tied : Checkbox
         Whether the k-range follows S as 2S to 2.5S.
     rerun : Button
-    summary : HTML
-        What the last computation gave.
+        Shown while the picture isn't what the settings say, after a cancel or an error.
     """
 
     def __init__(
@@ -63,10 +62,9 @@ class ParamsControls(widgets.VBox):
             continuous_update=False, style=STYLE, layout=SLIDER,
         )  # fmt: skip
         self.rerun = widgets.Button(
-            description="Segment again", icon="refresh", disabled=True,
+            description="Segment again", icon="refresh", layout={"display": "none", "width": "auto"},
             tooltip="Compute with the settings shown, after a cancel or an error",
         )  # fmt: skip
-        self.summary = widgets.HTML()
         for control in (self.n_segments, self.k_range, self.tied, self.cost_exponent):
             control.observe(self._moved, "value")
         self.rerun.on_click(lambda _: on_rerun())
@@ -75,7 +73,6 @@ class ParamsControls(widgets.VBox):
             [
                 widgets.Box([self.n_segments, self.cost_exponent], layout=row),
                 widgets.Box([self.k_range, self.tied, self.rerun], layout=row),
-                self.summary,
             ]
         )
         self.show(params)
@@ -94,6 +91,10 @@ class ParamsControls(widgets.VBox):
             self._show_k_range(params.k_bounds)
         finally:
             self._is_showing = False
+
+    def offer_rerun(self, is_offered: bool) -> None:
+        """Show or hide the button "Segment again"."""
+        self.rerun.layout.display = "" if is_offered else "none"
 
     def _show_k_range(self, bounds: tuple[int, int]) -> None:
         self.k_range.max = max(self.k_range.max, bounds[1])

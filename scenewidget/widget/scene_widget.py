@@ -163,7 +163,7 @@ class SceneWidget(widgets.VBox):
             self.set_trait("busy", True)
             self.view.error = ""
             self.view.status, self.view.progress, self.view.busy = "Starting", 0.0, True
-            self.controls.rerun.disabled = True
+            self.controls.offer_rerun(False)
 
         def task(progress: Callable[[str, float], None], cancel: threading.Event) -> Any:
             return params, self.pipeline.run(params, progress=progress, cancel=cancel)
@@ -189,10 +189,7 @@ class SceneWidget(widgets.VBox):
             self._shown_params = params
             self.segmentation = segmentation
             seconds = time.perf_counter() - self._started
-            self._end(
-                f"{segmentation.n_segments} segments in {seconds:.1f} s, "
-                f"{segmentation.coverage:.1%} of the faces labeled"
-            )
+            self._end(f"{segmentation.coverage:.1%} of the faces labeled, in {seconds:.1f} s")
 
     def _show_error(self, error: BaseException) -> None:
         with self._lock:
@@ -208,7 +205,6 @@ class SceneWidget(widgets.VBox):
         return "" if self.segmentation is None else "; the picture shows the result before"
 
     def _end(self, summary: str) -> None:
-        self.controls.summary.value = f"<span>{summary}</span>"
-        self.controls.rerun.disabled = self._shown_params == self.params
+        self.controls.offer_rerun(self._shown_params != self.params)
         self.view.status, self.view.progress, self.view.busy = summary, 1.0, False
         self.set_trait("busy", False)
