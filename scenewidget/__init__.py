@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from scenewidget import baselines, datasets, engine, metrics
+    from scenewidget.editing.session import Session
     from scenewidget.engine.mesh import Mesh, MeshError, load_mesh
     from scenewidget.engine.monitor import Cancelled
     from scenewidget.engine.params import Params
@@ -30,6 +31,7 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "MeshError": "engine.mesh",
     "load_mesh": "engine.mesh",
     "Segmentation": "engine.segmentation",
+    "Session": "editing.session",
     "Cancelled": "engine.monitor",
     "evaluate": "evaluation",
     "Params": "engine.params",
@@ -49,6 +51,7 @@ __all__ = [
     "SceneView",
     "SceneWidget",
     "Segmentation",
+    "Session",
     "__version__",
     "baselines",
     "datasets",

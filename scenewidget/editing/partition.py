@@ -1,0 +1,299 @@
+"""Where every face is right now: a segment per atom, and what each edit does to it.
+
+Goes in: the automatic segmentation and edits, one at a time. Come out: changes that can be taken back, and
+the corrected `Segmentation`. Atoms are the common refinement of all levels, so an edit touches a table of
+some ten thousand entries, whatever the number of faces; labels per face are made when somebody asks.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from scenewidget.editing.cut import cut_segment
+from scenewidget.editing.edits import Cut, Edit, EditError, Merge, Relabel, Split
+from scenewidget.engine.atoms import common_refinement
+from scenewidget.engine.mesh import BoolArray, IntArray
+from scenewidget.engine.segmentation import LEVELS, Level, Segmentation
+
+__all__ = ["Change", "KnownCut", "Partition"]
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """What an edit did, enough to take it back."""
+
+    atoms: IntArray  # whose segment changed
+    before: IntArray  # their segments
+    names: dict[int, str]  # all names before
+    n_atoms: int  # atoms that there were
+    next_id: int
+    n_faces: int  # that moved
+    cut: KnownCut | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class KnownCut:
+    """The outcome of a cut, so that it need not be computed again."""
+
+    segment_digest: bytes  # of the faces of the segment that was cut
+    is_b: BoolArray  # (n_faces of the segment,) on the side of face_b
+
+
+class Partition:
+    """Segments over atoms, changed by edits.
+
+    Segments have ids that stay while they live: those of the automatic segmentation at first, new numbers
+    for new segments. They are not the labels of `segmentation`, which are numbered anew by area.
+
+    Parameters
+    ----------
+    automatic : Segmentation
+        What the edits start from.
+    known_cuts : dict, optional
+        Outcomes of cuts computed before; used where the same segment is cut by the same faces.
+    """
+
+    def __init__(
+        self, automatic: Segmentation, known_cuts: dict[tuple[Cut, bytes], BoolArray] | None = None
+    ) -> None:
+        self.automatic = automatic
+        self.known_cuts = {} if known_cuts is None else known_cuts
+        columns = {level: automatic.level(level) for level in LEVELS if level in (*automatic.levels, "final")}
+        self.atoms = common_refinement(columns.values(), automatic.mesh.n_faces)
+        self.parts: dict[str, IntArray] = {
+            level: column[self.atoms.first_face] for level, column in columns.items()
+        }
+        self.segment: IntArray = self.parts["final"].astype(np.int64)
+        self.names: dict[int, str] = {i: name for i, name in enumerate(automatic.names) if name}
+        self._first_names = dict(self.names)
+        self._next_id = automatic.n_segments
+        self._parent: IntArray = np.arange(self.atoms.n)
+
+    def segment_at(self, face: int) -> int:
+        """Id of the segment under a face, -1 if it is unlabeled.
+
+        Raises
+        ------
+        ValueError
+            No such face.
+        """
+        return int(self.segment[self._atom(face)])
+
+    def part(self, face: int, level: Level, *, action: str = "merge") -> BoolArray:
+        """(n_atoms,) the atoms that an edit at a face would move.
+
+        Raises
+        ------
+        EditError
+            The face belongs to no part of the level.
+        """
+        atom = self._atom(face)
+        home = int(self.segment[atom])
+        if level == "final":
+            if home < 0:
+                raise EditError(f"face {face} is unlabeled: it belongs to no segment")
+            inside: BoolArray = self.segment == home
+            if action == "split":
+                inside &= self.parts["final"] == self.parts["final"][atom]
+            return inside
+        if level not in self.parts:
+            self.automatic.level(level)  # says what is wrong
+        part = int(self.parts[level][atom])
+        if part < 0:
+            raise EditError(f"face {face} belongs to no part of the level {level!r}")
+        return np.asarray(self.parts[level] == part)
+
+    def apply(self, edit: Edit) -> Change:
+        """Do an edit.
+
+        Raises
+        ------
+        EditError
+            It can't be done here or changes nothing; nothing has happened.
+        """
+        if isinstance(edit, Merge):
+            return self._merge(edit)
+        if isinstance(edit, Split):
+            return self._split(edit)
+        if isinstance(edit, Relabel):
+            return self._relabel(edit)
+        return self._cut(edit)
+
+    def revert(self, change: Change) -> None:
+        """Take the last change back that wasn't taken back yet."""
+        before = np.full(change.n_atoms, -2, dtype=np.int64)
+        before[change.atoms] = change.before
+        before = before[self._ancestors(change.n_atoms)]
+        self.segment = np.where(before == -2, self.segment, before)
+        self.names = dict(change.names)
+        self._next_id = change.next_id
+
+    # --- the edits --------------------------------------------------------------------------------
+
+    def _merge(self, edit: Merge) -> Change:
+        target = self.segment_at(edit.onto_face)
+        if target < 0:
+            raise EditError(f"onto_face {edit.onto_face} is unlabeled: there is no segment to join")
+        moves = np.zeros(self.atoms.n, dtype=bool)
+        problem: EditError | None = None
+        for face in edit.faces:
+            try:
+                if not moves[self._atom(face)]:
+                    moves |= self.part(face, edit.level)
+            except EditError as error:
+                problem = error
+        moves &= self.segment != target
+        if not moves.any():
+            if problem is not None:
+                raise problem
+            which = f"face {edit.faces[0]}" if len(edit.faces) == 1 else "all faces"
+            raise EditError(f"{which} and onto_face {edit.onto_face} are in one segment already")
+        return self._move(moves, target)
+
+    def _split(self, edit: Split) -> Change:
+        moves = self.part(edit.face, edit.level, action="split")
+        sources = np.unique(self.segment[moves])
+        if len(sources) == 1 and sources[0] >= 0 and np.array_equal(moves, self.segment == sources[0]):
+            finer = "a finer level or a cut" if edit.level != "dihedral" else "a cut"
+            raise EditError(
+                f"the part under face {edit.face} is a segment of its own already; {finer} can divide it"
+            )
+        return self._move(moves, None)
+
+    def _relabel(self, edit: Relabel) -> Change:
+        home = self.segment_at(edit.face)
+        if home < 0:
+            raise EditError(f"face {edit.face} is unlabeled: there is no segment to name")
+        if self.names.get(home, "") == edit.name:
+            raise EditError(f"the segment under face {edit.face} is called {edit.name!r} already")
+        change = self._change(np.zeros(self.atoms.n, dtype=bool))
+        self.names = {**self.names, home: edit.name}
+        if not edit.name:
+            del self.names[home]
+        return change
+
+    def _cut(self, edit: Cut) -> Change:
+        home = self.segment_at(edit.face_a)
+        if home < 0:
+            raise EditError(f"face_a {edit.face_a} is unlabeled: there is no segment to cut")
+        if self.segment_at(edit.face_b) != home:
+            raise EditError(
+                f"face_a {edit.face_a} and face_b {edit.face_b} are in different segments; "
+                "a cut divides the segment that both are in"
+            )
+        faces = np.flatnonzero((self.segment == home)[self.atoms.face_atom])
+        digest = hashlib.blake2b(faces.astype("<i4").tobytes(), digest_size=16).digest()
+        is_b = self.known_cuts.get((edit, digest))
+        if is_b is None or len(is_b) != len(faces):
+            is_b = cut_segment(self.automatic.mesh, faces, edit.face_a, edit.face_b)
+        self.known_cuts[edit, digest] = is_b
+        is_inside = np.zeros(self.automatic.mesh.n_faces, dtype=bool)
+        is_inside[faces[is_b]] = True
+        self._refine(is_inside)
+        moves = np.zeros(self.atoms.n, dtype=bool)
+        moves[self.atoms.face_atom[faces[is_b]]] = True
+        return dataclasses.replace(self._move(moves, None), cut=KnownCut(digest, is_b))
+
+    def _move(self, moves: BoolArray, target: int | None) -> Change:
+        """Put atoms into a segment, a new one if None. A name is not lost with the last of its faces."""
+        change = self._change(moves)
+        if target is None:
+            target, self._next_id = self._next_id, self._next_id + 1
+        self.segment = np.where(moves, target, self.segment)
+        sources = np.unique(change.before)
+        gone = [int(s) for s in sources if s >= 0 and not (self.segment == s).any()]
+        self.names = {i: name for i, name in self.names.items() if i not in gone}
+        if target not in self.names:
+            inherited = [change.names[s] for s in gone if s in change.names]
+            if inherited:
+                self.names[target] = inherited[0]
+        return change
+
+    def _change(self, moves: BoolArray) -> Change:
+        atoms = np.flatnonzero(moves)
+        n_faces = int(self._faces_of_atom[atoms].sum())
+        return Change(atoms, self.segment[atoms], self.names, self.atoms.n, self._next_id, n_faces)
+
+    def _refine(self, is_inside: BoolArray) -> None:
+        self.atoms, parents = self.atoms.refined(is_inside)
+        if len(parents) == 0:
+            return
+        self._parent = np.concatenate([self._parent, parents])
+        self.segment = np.concatenate([self.segment, self.segment[parents]])
+        self.parts = {level: np.concatenate([part, part[parents]]) for level, part in self.parts.items()}
+        self.__dict__.pop("_faces_of_atom", None)
+
+    def _ancestors(self, n_atoms: int) -> IntArray:
+        """For each atom of today the one that it was part of when there were so many."""
+        out = np.arange(self.atoms.n)
+        while (late := out >= n_atoms).any():
+            out = np.where(late, self._parent[out], out)
+        return out
+
+    @cached_property
+    def _faces_of_atom(self) -> IntArray:
+        return np.bincount(self.atoms.face_atom, minlength=self.atoms.n)
+
+    def _atom(self, face: int) -> int:
+        if not face < self.automatic.mesh.n_faces:
+            raise ValueError(
+                f"there is no face {face}: the mesh has {self.automatic.mesh.n_faces} faces, numbered from 0"
+            )
+        return int(self.atoms.face_atom[face])
+
+    # --- the answer -------------------------------------------------------------------------------
+
+    def segmentation(self) -> Segmentation:
+        """The segmentation as it is now, labels dense and 0 the largest by area.
+
+        Faces that an edit moved have confidence 1: a person decided. Where nothing differs from the
+        automatic segmentation, that one itself.
+        """
+        automatic, atoms = self.automatic, self.atoms
+        is_moved = self.segment != self.parts["final"]
+        if not is_moved.any() and self.names == self._first_names:
+            return automatic
+        dense, ids = self._dense()
+        labels = dense[atoms.face_atom]
+        labels.flags.writeable = False
+        confidence: Any = np.where(is_moved[atoms.face_atom], np.float32(1), automatic.confidence)
+        confidence.flags.writeable = False
+        return dataclasses.replace(
+            automatic,
+            labels=labels,
+            confidence=confidence,
+            names=[self.names.get(i, "") for i in ids.tolist()],
+            item_labels=None if automatic.face_map is None else self._item_labels(labels, automatic.face_map),
+        )
+
+    def _dense(self) -> tuple[npt.NDArray[np.int32], IntArray]:
+        """Label of each atom, and the id of the segment behind each label."""
+        ids, index = np.unique(self.segment, return_inverse=True)
+        area = np.bincount(index[self.atoms.face_atom], self.automatic.mesh.face_areas, minlength=len(ids))
+        first = np.full(len(ids), self.automatic.mesh.n_faces)
+        np.minimum.at(first, index, self.atoms.first_face)
+        order = np.lexsort((first, -area))
+        order = order[ids[order] >= 0]
+        rank = np.full(len(ids), -1, dtype=np.int32)
+        rank[order] = np.arange(len(order))
+        return rank[index], ids[order]
+
+    def _item_labels(self, labels: IntArray, face_map: IntArray) -> IntArray:
+        """(n_items,) label of most of each item's area."""
+        keep = (face_map >= 0) & (labels >= 0)
+        n = int(labels.max(initial=0)) + 1
+        n_items = self.automatic.items.n if self.automatic.items is not None else int(face_map.max()) + 1
+        code, index = np.unique(face_map[keep].astype(np.int64) * n + labels[keep], return_inverse=True)
+        area = np.bincount(index, self.automatic.mesh.face_areas[keep], len(code))
+        item, label = code // n, code % n
+        order = np.lexsort((-label, area, item))  # the largest area comes last and stays
+        out = np.full(n_items, -1, dtype=np.int32)
+        out[item[order]] = label[order]
+        return out

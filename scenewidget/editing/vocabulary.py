@@ -1,0 +1,68 @@
+"""Names that people give to what stands in rooms: the 40 classes of NYU and the 20 of ScanNet.
+
+Silberman, Hoiem, Kohli and Fergus (2012), ECCV, as mapped to 40 classes by Gupta, Arbelaez and Malik (2013),
+CVPR; Dai et al. (2017), *ScanNet*, CVPR.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from scenewidget.editing.edits import checked_name
+
+__all__ = ["NYU40", "SCANNET20", "checked_vocabulary", "nyu_class", "nyu_id"]
+
+NYU40 = (  # in the order of their ids, from 1
+    "wall", "floor", "cabinet", "bed", "chair", "sofa", "table", "door", "window", "bookshelf",
+    "picture", "counter", "blinds", "desk", "shelves", "curtain", "dresser", "pillow", "mirror", "floor mat",
+    "clothes", "ceiling", "books", "refrigerator", "television", "paper", "towel", "shower curtain", "box",
+    "whiteboard", "person", "nightstand", "toilet", "sink", "lamp", "bathtub", "bag", "otherstructure",
+    "otherfurniture", "otherprop",
+)  # fmt: skip
+
+SCANNET20 = (  # the subset that ScanNet's benchmark counts, in the order of their NYU40 ids
+    "wall", "floor", "cabinet", "bed", "chair", "sofa", "table", "door", "window", "bookshelf",
+    "picture", "counter", "desk", "curtain", "refrigerator", "shower curtain", "toilet", "sink", "bathtub",
+    "otherfurniture",
+)  # fmt: skip
+
+_SPELLINGS = {  # of SceneNN and ScanNet's raw names, without blanks
+    "fridge": "refrigerator", "refridgerator": "refrigerator", "tv": "television", "monitor": "television",
+    "floormat": "floor mat", "showercurtain": "shower curtain", "nightstand": "nightstand", "couch": "sofa",
+    "bathtub": "bathtub", "whiteboard": "whiteboard", "bookshelf": "bookshelf", "prop": "otherprop",
+    "furniture": "otherfurniture", "structure": "otherstructure", "bookcase": "bookshelf",
+}  # fmt: skip
+_CLASSES = {name.replace(" ", ""): name for name in NYU40} | _SPELLINGS
+
+
+def nyu_class(name: str) -> str:
+    """The class of NYU40 that a name stands for, "" if none: "chair 2" and "Chair" are chairs.
+
+    >>> nyu_class("Night stand 1")
+    'nightstand'
+    """
+    return _CLASSES.get(name.lower().rstrip("0123456789 .#_-").replace(" ", "").replace("_", ""), "")
+
+
+def nyu_id(name: str) -> int:
+    """Id of that class, 1 to 40; 0 if there is none."""
+    found = nyu_class(name)
+    return NYU40.index(found) + 1 if found else 0
+
+
+def checked_vocabulary(names: Iterable[str]) -> tuple[str, ...]:
+    """Names to choose from, in their order, each once.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Not a sequence of names, or one that no segment can have.
+    """
+    if isinstance(names, str) or not isinstance(names, Iterable):
+        raise TypeError(f"vocabulary must be a sequence of names, got {names!r:.200}")
+    checked = tuple(dict.fromkeys(checked_name(name) for name in names))
+    if "" in checked:
+        raise ValueError("vocabulary holds an empty name")
+    if len(checked) > 10_000:
+        raise ValueError(f"vocabulary has {len(checked)} names; at most 10000 can be kept")
+    return checked

@@ -1,0 +1,102 @@
+"""Atoms: the common refinement of several labellings of the same faces.
+
+Goes in: labels per face, one column a level. Comes out: an atom per face, such that every column is
+constant on every atom; a labelling then is a small table, one entry an atom, instead of one a face.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from scenewidget.engine.mesh import BoolArray, IntArray
+
+__all__ = ["Atoms", "common_refinement"]
+
+TABLE_LIMIT = 1 << 25  # codes up to here are renumbered through a table of 9 bytes each, not by sorting
+
+
+@dataclass(frozen=True, eq=False)
+class Atoms:
+    """Which atom each face belongs to."""
+
+    face_atom: npt.NDArray[np.uint32]  # (n_faces,) dense, numbered from 0
+    first_face: IntArray  # (n_atoms,) the first face of each atom
+
+    @property
+    def n(self) -> int:
+        """Number of atoms."""
+        return len(self.first_face)
+
+    def table(self, labels: npt.NDArray[np.generic]) -> npt.NDArray[np.generic] | None:
+        """Label of each atom, (n_atoms,); None if `labels` cuts through an atom."""
+        table = labels[self.first_face]
+        return table if np.array_equal(table[self.face_atom], labels) else None
+
+    def refined(self, is_inside: BoolArray) -> tuple[Atoms, IntArray]:
+        """Atoms such that a set of faces is a union of some; the atoms that it cuts keep the outside.
+
+        Parameters
+        ----------
+        is_inside : (n_faces,) bool
+
+        Returns
+        -------
+        atoms : Atoms
+            The old numbers stay; the insides of the atoms that were cut come after them. ``self`` if
+            the set cuts none.
+        parents : (n_new,) int
+            The old atom that each new one was a part of, ascending.
+        """
+        inside = np.flatnonzero(is_inside)
+        home = self.face_atom[inside]
+        is_cut = np.bincount(home, minlength=self.n) > 0
+        is_cut &= np.bincount(self.face_atom[~is_inside], minlength=self.n) > 0
+        parents = np.flatnonzero(is_cut)
+        if len(parents) == 0:
+            return self, parents
+        number = np.full(self.n, -1, np.int64)
+        number[parents] = self.n + np.arange(len(parents))
+        moves = is_cut[home]
+        face_atom = self.face_atom.copy()
+        face_atom[inside[moves]] = number[home[moves]]
+        return Atoms(face_atom, _first_faces(face_atom, self.n + len(parents))), parents
+
+
+def common_refinement(columns: Iterable[IntArray], n_faces: int) -> Atoms:
+    """The coarsest atoms on which every column is constant.
+
+    Parameters
+    ----------
+    columns : iterable of (n_faces,) int
+        Labels; -1 and above, gaps allowed.
+    n_faces : int
+        Faces without any column form a single atom.
+    """
+    face_atom: IntArray = np.zeros(n_faces, np.int64)
+    n_atoms = 1 if n_faces else 0
+    for labels in columns:
+        codes, n_codes = _dense(labels.astype(np.int64) + 1)
+        face_atom, n_atoms = _dense(face_atom * n_codes + codes)
+    return Atoms(face_atom.astype(np.uint32), _first_faces(face_atom, n_atoms))
+
+
+def _first_faces(face_atom: IntArray, n_atoms: int) -> IntArray:
+    first_face: IntArray = np.zeros(n_atoms, np.int64)
+    first_face[face_atom[::-1]] = np.arange(len(face_atom))[::-1]  # the last one written stays
+    return first_face
+
+
+def _dense(codes: IntArray) -> tuple[IntArray, int]:
+    """Codes renumbered 0, 1, … in their order, and how many there are."""
+    highest = int(codes.max(initial=0))
+    if highest > TABLE_LIMIT:
+        distinct, dense = np.unique(codes, return_inverse=True)
+        return dense, len(distinct)
+    is_used = np.zeros(highest + 1, np.bool_)
+    is_used[codes] = True
+    number = np.cumsum(is_used, dtype=np.int64) - 1
+    return number[codes], int(number[-1]) + 1
