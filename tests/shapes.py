@@ -102,3 +102,43 @@ def with_vertices_in_order(mesh: Mesh, order: np.ndarray) -> Mesh:
     new_number = np.empty(mesh.n_vertices, dtype=np.int64)
     new_number[order] = np.arange(mesh.n_vertices)
     return Mesh(mesh.vertices[order], new_number[mesh.faces])
+
+
+def fan(n: int) -> Mesh:
+    """n right triangles at one common edge, like the pages of a book: not manifold from 3 on."""
+    angle = 2.0 * np.pi * np.arange(n) / n
+    tips = np.column_stack([np.cos(angle), np.sin(angle), np.full(n, 0.5)])
+    return Mesh(np.concatenate([[[0, 0, 0], [0, 0, 1]], tips]), [[0, 1, 2 + i] for i in range(n)])
+
+
+def fragments(n: int, *, seed: int = 0, size: float = 0.05) -> Mesh:
+    """n flat squares of 8 faces each, scattered in a cube of 5 m."""
+    piece = grid_square(2, size=size)
+    corners = np.random.default_rng(seed).uniform(0, 5, (n, 1, 3))
+    faces = piece.faces + piece.n_vertices * np.arange(n)[:, None, None]
+    return Mesh((piece.vertices + corners).reshape(-1, 3), faces.reshape(-1, 3))
+
+
+def soup(mesh: Mesh) -> Mesh:
+    """The same triangles, each with corners of its own, as STL files have them."""
+    return Mesh(mesh.vertices[mesh.faces].reshape(-1, 3), np.arange(3 * mesh.n_faces).reshape(-1, 3))
+
+
+def room(n: int = 24, *, noise: float = 0.0, seed: int = 0) -> tuple[Mesh, np.ndarray]:
+    """A room of 4 × 3 × 2.4 m seen from inside with a closed block of a table in it, and its parts.
+
+    Parts: six walls by the direction of their normals, the table's five visible sides (its underside does
+    not touch the floor).
+    """
+    walls, table = box(n, size=(4.0, 3.0, 2.4)), box(n // 2, size=(1.2, 0.8, 0.5))
+    table = Mesh(table.vertices + [0.3, 0.2, -0.4], table.faces)
+    part = [_side(walls), 6 + _side(table)]
+    mesh = joined(Mesh(walls.vertices, walls.faces[:, ::-1]), table)
+    jitter = np.random.default_rng(seed).normal(scale=noise, size=mesh.vertices.shape) if noise else 0.0
+    return Mesh(mesh.vertices + jitter, mesh.faces), np.concatenate(part)
+
+
+def _side(mesh: Mesh) -> np.ndarray:
+    """Which of the six directions of the axes each face looks to."""
+    axis = np.abs(mesh.face_normals).argmax(axis=1)
+    return 2 * axis + (mesh.face_normals[np.arange(mesh.n_faces), axis] > 0)

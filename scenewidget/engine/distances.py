@@ -129,7 +129,7 @@ def all_pairs(
     ----------
     graph : (n, n) csr
         Non-negative weights of undirected edges; where the two directions differ, the lighter counts.
-        Explicit zeros are edges of length zero.
+        Explicit zeros are edges of length zero; of duplicate entries the lightest counts.
     n_threads : int, optional
         Threads; all cores by default. The result does not depend on it.
 
@@ -177,11 +177,10 @@ class MinPlusFactor:
     values: npt_float32
 
     def __init__(self, graph: sparse.csr_array | sparse.csr_matrix) -> None:
-        graph = _checked(graph)
-        n = graph.shape[0]
-        position = _elimination_position(graph)
+        coo = _checked(graph)
+        n = coo.shape[0]
+        position = _elimination_position(coo)
         order = np.argsort(position).astype(np.int32)
-        coo = graph.tocoo()
         low = np.minimum(position[coo.row], position[coo.col])
         high = np.maximum(position[coo.row], position[coo.col])
         keep = low != high
@@ -213,6 +212,8 @@ class MinPlusFactor:
         monitor = monitor or SILENT
         n = len(self.order)
         sources = np.asarray(sources)
+        if len(sources) and not (sources.min() >= 0 and sources.max() < n):
+            raise ValueError(f"sources must lie in 0..{n - 1}, got {sources.min()}..{sources.max()}")
         position = np.empty(n, dtype=np.int32)
         position[self.order] = np.arange(n, dtype=np.int32)
         out = np.empty((len(sources), n), dtype=np.float32)
@@ -231,21 +232,20 @@ class MinPlusFactor:
         return out
 
 
-def _checked(graph: Any) -> sparse.csr_array:
+def _checked(graph: Any) -> sparse.coo_array:
     if not sparse.issparse(graph):
         raise TypeError(f"graph must be a scipy sparse matrix, got {type(graph).__name__}")
-    graph = sparse.csr_array(graph)
-    if graph.shape[0] != graph.shape[1]:
+    graph = sparse.coo_array(graph)  # not csr, which would add duplicate entries up
+    if graph.ndim != 2 or graph.shape[0] != graph.shape[1]:
         raise ValueError(f"graph must be square, got shape {graph.shape}")
     if graph.nnz and not (graph.data >= 0).all():
         raise ValueError("graph must have non-negative weights, none of them NaN")
     return graph
 
 
-def _elimination_position(graph: sparse.csr_array) -> IntArray:
+def _elimination_position(coo: sparse.coo_array) -> IntArray:
     """Step at which each node is eliminated: minimum degree on the pattern, by SuperLU."""
-    n = graph.shape[0]
-    coo = graph.tocoo()
+    n = coo.shape[0]
     keep = coo.row != coo.col
     rows = np.concatenate([coo.row[keep], coo.col[keep], np.arange(n)])
     columns = np.concatenate([coo.col[keep], coo.row[keep], np.arange(n)])

@@ -1,0 +1,154 @@
+"""k-medoids against its definition by brute force, on distances with ties and unconnected parts."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import distance_matrices
+
+from scenewidget.engine.kmedoids import INITS, alternate, initial_medoids, k_medoids
+
+LINE = np.abs(np.subtract.outer([0.0, 1, 2, 10, 11, 12], [0.0, 1, 2, 10, 11, 12]))
+
+
+def nearest(D, medoids):
+    """Labels by definition: the first of the nearest medoids, a medoid its own, -1 out of reach."""
+    labels = D[:, medoids].argmin(axis=1)
+    labels[np.isinf(D[:, medoids].min(axis=1))] = -1
+    labels[medoids] = np.arange(len(medoids))
+    return labels
+
+
+def cost_of(D, medoids):
+    reach = D[:, medoids].astype(float).min(axis=1)
+    return reach[np.isfinite(reach)].sum()
+
+
+@st.composite
+def problems(draw):
+    D = draw(distance_matrices())
+    return D, draw(st.integers(1, len(D))), draw(st.integers(0, 99))
+
+
+@given(problems(), st.sampled_from(INITS))
+def test_result_is_a_fixed_point_of_assignment_and_update(problem, init):
+    D, k, seed = problem
+    result = k_medoids(D, k, init=init, seed=seed)
+    assert len(set(result.medoids.tolist())) == k
+    np.testing.assert_array_equal(result.labels, nearest(D, result.medoids))
+    assert result.cost == pytest.approx(cost_of(D, result.medoids), rel=1e-9)
+    moved = result.medoids.copy()
+    for c in range(k):
+        members = np.flatnonzero(result.labels == c)
+        sums = D[np.ix_(members, members)].astype(float).sum(axis=1)
+        own = D[result.medoids[c], members].astype(float).sum()
+        if sums.min() < own:
+            moved[c] = members[sums.argmin()]
+    assert cost_of(D, moved) >= result.cost * (1 - 1e-12)  # one more update would not lower the cost
+
+
+@given(problems())
+def test_cost_falls_with_every_update(problem):
+    D, k, seed = problem
+    start = initial_medoids(D, k, seed=seed)
+    assert alternate(D, start).cost <= cost_of(D, start) * (1 + 1e-12)
+
+
+@given(problems())
+def test_unreachable_items_are_in_no_cluster(problem):
+    D, k, seed = problem
+    result = k_medoids(D, k, seed=seed)
+    out_of_reach = np.isinf(D[:, result.medoids]).all(axis=1)
+    np.testing.assert_array_equal(result.labels == -1, out_of_reach)
+
+
+def test_two_groups_on_a_line_are_found_with_their_middles():
+    result = alternate(LINE, np.array([0, 1], dtype=np.int32))
+    assert sorted(result.medoids.tolist()) == [1, 4]
+    assert result.labels[0] == result.labels[1] == result.labels[2]
+    assert result.labels[3] == result.labels[4] == result.labels[5] != result.labels[0]
+    assert result.cost == 4
+
+
+def test_one_cluster_has_the_item_with_the_least_sum():
+    assert k_medoids(LINE, 1).medoids.tolist() == [int(LINE.sum(axis=1).argmin())]
+
+
+@given(distance_matrices())
+def test_as_many_clusters_as_items_give_each_its_own(D):
+    result = k_medoids(D, len(D), seed=1)
+    assert sorted(result.medoids.tolist()) == list(range(len(D)))
+    np.testing.assert_array_equal(result.medoids[result.labels], np.arange(len(D)))
+    assert result.cost == 0
+
+
+def test_items_at_distance_zero_stay_distinct_medoids():
+    result = k_medoids(np.zeros((5, 5)), 3)
+    assert len(set(result.medoids.tolist())) == 3
+    np.testing.assert_array_equal(result.labels[result.medoids], [0, 1, 2])
+
+
+@given(problems(), st.sampled_from(INITS))
+def test_same_seed_same_result(problem, init):
+    D, k, seed = problem
+    first, second = (k_medoids(D, k, init=init, seed=seed) for _ in range(2))
+    np.testing.assert_array_equal(first.labels, second.labels)
+    np.testing.assert_array_equal(first.medoids, second.medoids)
+
+
+@given(problems(), st.sampled_from(INITS))
+def test_every_start_is_k_distinct_items(problem, init):
+    D, k, seed = problem
+    medoids = initial_medoids(D, k, init=init, seed=seed)
+    assert medoids.dtype == np.int32
+    assert len(set(medoids.tolist())) == k
+    assert 0 <= medoids.min() <= medoids.max() < len(D)
+
+
+def test_starts_follow_park_and_jun():
+    totals = LINE.sum(axis=1)
+    by_total = np.argsort(totals, kind="stable")
+    assert initial_medoids(LINE, 3, init="systematic").tolist() == by_total[[0, 2, 4]].tolist()
+    farthest = np.argsort(-LINE[totals.argmin()], kind="stable")
+    assert initial_medoids(LINE, 2, init="outmost").tolist() == farthest[:2].tolist()
+    random = [initial_medoids(LINE, 2, seed=seed).tolist() for seed in range(200)]
+    assert {m for pair in random for m in pair} == set(range(6))
+
+
+def test_plus_plus_takes_a_start_in_each_unconnected_part():
+    part = np.arange(12) // 4
+    D = np.where(part[:, None] == part, 1.0 - np.eye(12), np.inf)
+    for seed in range(10):
+        assert set(part[initial_medoids(D, 3, init="k-medoids++", seed=seed)]) == {0, 1, 2}
+
+
+def test_plus_plus_prefers_far_items():
+    near = 1e-3 * np.abs(np.subtract.outer(np.arange(9.0), np.arange(9.0)))
+    D = np.full((10, 10), 1000.0)
+    D[:9, :9], D[9, 9] = near, 0
+    hits = [9 in initial_medoids(D, 2, init="k-medoids++", seed=seed) for seed in range(50)]
+    assert all(hits)
+
+
+def test_whole_numbers_are_distances_too():
+    assert k_medoids(LINE.astype(int), 2).cost == k_medoids(LINE, 2).cost
+
+
+@pytest.mark.parametrize(
+    ("D", "k", "options", "error", "message"),
+    [
+        (LINE, 0, {}, ValueError, r"k must lie in 1\.\.6"),
+        (LINE, 7, {}, ValueError, r"k must lie in 1\.\.6"),
+        (LINE, 2.0, {}, TypeError, "k must be a whole number"),
+        (LINE, True, {}, TypeError, "k must be a whole number"),
+        (LINE[:3], 2, {}, ValueError, "D must be a square matrix"),
+        (np.empty((0, 0)), 1, {}, ValueError, "D must be a square matrix"),
+        (-LINE, 2, {}, ValueError, "no negative values and no NaN"),
+        (np.where(LINE > 5, np.nan, LINE), 2, {}, ValueError, "no negative values and no NaN"),
+        (LINE, 2, {"init": "best"}, ValueError, "init must be one of 'random', 'systematic'"),
+        (LINE, 2, {"backend": "cuda"}, ValueError, "backend must be one of 'numpy', 'sklearn-extra'"),
+    ],
+)
+def test_bad_arguments_are_refused(D, k, options, error, message):
+    with pytest.raises(error, match=message):
+        k_medoids(D, k, **options)
