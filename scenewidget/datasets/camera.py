@@ -1,8 +1,8 @@
 """Depth images as a hand-held depth camera would take them on a walk through the room.
 
-Poses along a path, clean depth by rasterising the noise-free surface, and a sensor: noise that grows with distance and
-slant, blurred outlines, readings that get lost on glass, dark or slanted surfaces. After Khoshelham and Oude Elberink
-(2012), Sensors 12, and Nguyen, Izadi and Lovell (2012), 3DIMPVT, for the Kinect.
+Poses along a path, clean depth by rasterising the noise-free surface, and a sensor: noise that grows with
+distance and slant, blurred outlines, readings that get lost on glass, dark or slanted surfaces. After
+Khoshelham and Oude Elberink (2012), Sensors 12, and Nguyen, Izadi and Lovell (2012), 3DIMPVT, for the Kinect.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scipy import ndimage, special
 from scenewidget.datasets.layout import Plan
 from scenewidget.datasets.scene import Scene
 from scenewidget.datasets.shapes import ripples
-from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
+from scenewidget.engine.mesh import FloatArray, IntArray
 
 __all__ = ["FOCAL", "IMAGE", "Walk", "render", "sense", "walk_through"]
 
@@ -24,7 +24,7 @@ IMAGE = (240, 320)  # rows, columns
 FOCAL = 225.0  # pixels: 71 degrees wide, 56 high
 _NEAREST = 0.35  # metres; closer surfaces give no reading
 _VIEWS = 7  # images at each stop
-_GAIN = 1.3  # noise of one reading in units of the noise that is left when all readings of a place are fused
+_GAIN = 1.0  # noise of one reading in units of the noise that is left when all readings of a place are fused
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,9 @@ class Walk:
     def misplaced(self, rng: np.random.Generator, amount: float) -> Walk:
         """The poses as a tracker believes them: off by about `amount` metres, drifting along the walk."""
         n = len(self.positions)
-        jump = np.repeat(rng.normal(0, 0.8, (-(-n // _VIEWS), 6)), _VIEWS, axis=0)[:n] + rng.normal(0, 0.5, (n, 6))
+        jump = np.repeat(rng.normal(0, 0.8, (-(-n // _VIEWS), 6)), _VIEWS, axis=0)[:n] + rng.normal(
+            0, 0.5, (n, 6)
+        )
         shift, angle = amount * jump[:, :3], amount / 2.5 * jump[:, 3:]
         skew = np.zeros((n, 3, 3))
         for (i, j), column in {(0, 1): 2, (0, 2): 1, (1, 2): 0}.items():
@@ -55,12 +57,18 @@ class Walk:
 
 
 def walk_through(plan: Plan, scene: Scene, rng: np.random.Generator, n_stops: int) -> Walk:
-    """Stops at free places, spread over the room; at each the camera turns round, looking up and down by turns."""
+    """Stops at free places, spread over the room; at each the camera turns round, looking up and down by
+    turns.
+    """
     width, depth, height = plan.size
     candidates = rng.uniform([0, 0, 0.5 * height], [width, depth, 0.68 * height], (600, 3))
     is_inside = np.array([plan.contains(x, y, 0.45) for x, y, _ in candidates])
     free = scene.nearest(candidates.T, reach=0.4)[0]
-    candidates = candidates[is_inside] if (is_inside & (free > 0.3)).sum() < 10 else candidates[is_inside & (free > 0.3)]
+    candidates = (
+        candidates[is_inside]
+        if (is_inside & (free > 0.3)).sum() < 10
+        else candidates[is_inside & (free > 0.3)]
+    )
     if len(candidates) == 0:
         candidates = np.array([[0.4 * width, 0.4 * depth, 0.6 * height]])
     stops = [candidates[0]]
@@ -107,9 +115,15 @@ def render(vertices: FloatArray, faces: IntArray, walk: Walk) -> tuple[FloatArra
 
 
 def sense(
-    depth: FloatArray, face: IntArray, normals: FloatArray, dropout: FloatArray, walk: Walk, rng: np.random.Generator,
-    *, noise: float,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    depth: FloatArray,
+    face: IntArray,
+    normals: FloatArray,
+    dropout: FloatArray,
+    walk: Walk,
+    rng: np.random.Generator,
+    *,
+    noise: float,
+) -> tuple[FloatArray, FloatArray]:
     """What a depth camera makes of clean depth images.
 
     Parameters
@@ -131,72 +145,86 @@ def sense(
         Cosine between ray and normal, for weights.
     """
     rows, columns = IMAGE
-    v, u = np.meshgrid(np.arange(rows) - rows / 2 + 0.5, np.arange(columns) - columns / 2 + 0.5, indexing="ij")
+    v, u = np.meshgrid(
+        np.arange(rows) - rows / 2 + 0.5, np.arange(columns) - columns / 2 + 0.5, indexing="ij"
+    )
     rays = np.stack([u / FOCAL, v / FOCAL, np.ones_like(u)], axis=-1)
     units = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
-    patches = ripples(rng, 0.45)
+    patches = ripples(rng, 0.35)
+    # neighbouring readings share their errors, at three scales
+    speckle = _NoiseField(rng, {0.7: 0.55, 2.0: 0.65, 9.0: 0.5})
+    jitter = _NoiseField(rng, {1.0: 1.0})
+    losses = _NoiseField(rng, {0.0: 0.87, 3.0: 0.49})
     measured, slant = np.zeros_like(depth), np.zeros_like(depth)
     for n, frame_rng in enumerate(rng.spawn(len(depth))):
         z, seen = depth[n], face[n]
         normal = normals[seen] @ walk.rotations[n].T
         cosine = np.abs((normal * units).sum(axis=-1))
         if noise > 0:
-            z, cosine = _blur_outlines(z, cosine, frame_rng)
-        keeps = (z > _NEAREST) & (depth[n] > 0) & ~_lost(z, cosine, dropout[seen], rays, walk, n, patches, frame_rng)
+            z, cosine = _blur_outlines(z, cosine, jitter, frame_rng)
+        points = walk.positions[n][:, None] + walk.rotations[n].T @ (z[..., None] * rays).reshape(-1, 3).T
+        place = patches(points.astype(np.float32)).reshape(IMAGE)
+        chance = _loss(z, cosine, dropout[seen])
+        # mostly the same places get lost in every image, so that holes remain
+        is_lost = special.ndtr(0.7 * place + 0.71 * losses.window(frame_rng)) < chance
+        keeps = (z > _NEAREST) & (depth[n] > 0) & ~is_lost
         if noise > 0:
             sigma = noise * _GAIN * (0.3 + 0.7 * (z / 2) ** 2) * (1 + 0.35 / np.maximum(cosine, 0.2))
-            z = z + sigma * _speckle(frame_rng)
+            z = z + sigma * speckle.window(frame_rng)
         measured[n] = np.where(keeps, z, 0)
         slant[n] = cosine
     return measured, slant
 
 
-def _speckle(rng: np.random.Generator) -> FloatArray:
-    """Noise of standard deviation 1 at three scales, for neighbouring readings share their errors."""
-    total = np.zeros(IMAGE)
-    for scale, share in ((0.7, 0.55), (2.0, 0.65), (9.0, 0.5)):
-        total += share * _smooth_noise(rng, scale)
-    return total
+class _NoiseField:
+    """A random image much larger than a frame, filtered once; every frame gets another window of it.
+
+    Standard deviation 1, made of smooth noise of the given scales (pixels) and shares.
+    """
+
+    def __init__(self, rng: np.random.Generator, shares: dict[float, float]) -> None:
+        size = (3 * IMAGE[0], 3 * IMAGE[1])
+        total = np.zeros(size, dtype=np.float32)
+        for scale, share in shares.items():
+            white = rng.standard_normal(size, dtype=np.float32)
+            blurred = ndimage.gaussian_filter(white, scale, mode="wrap") if scale > 0 else white
+            total += share * blurred / blurred.std()
+        self.field = total / total.std()
+
+    def window(self, rng: np.random.Generator) -> FloatArray:
+        """(rows, columns) part of the field at a random place."""
+        i, j = rng.integers(2 * IMAGE[0]), rng.integers(2 * IMAGE[1])
+        part: FloatArray = self.field[i : i + IMAGE[0], j : j + IMAGE[1]]
+        return part
 
 
-def _smooth_noise(rng: np.random.Generator, scale: float) -> FloatArray:
-    blurred = ndimage.gaussian_filter(rng.normal(size=IMAGE), scale, mode="wrap")
-    result: FloatArray = blurred / blurred.std()
-    return result
-
-
-def _blur_outlines(depth: FloatArray, cosine: FloatArray, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
-    """Readings of a pixel off, and at outlines sometimes between the near and the far surface: flying pixels."""
+def _blur_outlines(
+    depth: FloatArray, cosine: FloatArray, jitter: _NoiseField, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    """Readings of a pixel off, and at outlines sometimes between the near and the far surface: flying
+    pixels.
+    """
     rows, columns = np.meshgrid(*(np.arange(n) for n in IMAGE), indexing="ij")
-    i = np.clip(np.round(rows + 0.8 * _smooth_noise(rng, 1.0)), 0, IMAGE[0] - 1).astype(int)
-    j = np.clip(np.round(columns + 0.8 * _smooth_noise(rng, 1.0)), 0, IMAGE[1] - 1).astype(int)
+    i = np.clip(np.round(rows + 0.8 * jitter.window(rng)), 0, IMAGE[0] - 1).astype(int)
+    j = np.clip(np.round(columns + 0.8 * jitter.window(rng)), 0, IMAGE[1] - 1).astype(int)
     shifted = depth[i, j]
-    mixed = np.where(rng.random(IMAGE) < 0.3, rng.random(IMAGE), 1.0)
+    share = rng.random(IMAGE, dtype=np.float32)
+    mixed = np.where(share < 0.3, share / 0.3, 1)
     is_outline = (shifted > 0) & (depth > 0) & (np.abs(shifted - depth) > 0.05)
-    # on a slanted plane a neighbour's depth is an error of its own, already in the noise: shift outlines only
-    return np.where(is_outline, mixed * shifted + (1 - mixed) * depth, depth), np.where(is_outline, cosine[i, j], cosine)
+    # elsewhere a neighbour's depth differs by slant alone, which the noise already covers
+    blurred = np.where(is_outline, mixed * shifted + (1 - mixed) * depth, depth)
+    return blurred, np.where(is_outline, cosine[i, j], cosine)
 
 
-def _lost(
-    depth: FloatArray, cosine: FloatArray, dropout: FloatArray, rays: FloatArray, walk: Walk, n: int,
-    patches: object, rng: np.random.Generator,
-) -> BoolArray:  # fmt: skip
-    """Readings that don't come back: mostly the same places in every image, so that holes remain."""
-    grazing = np.clip((0.3 - cosine) / 0.25, 0, 1)
-    far = np.clip((depth - 4.2) / 2.5, 0, 1)
-    chance = 1 - (1 - dropout) * (1 - 0.95 * grazing) * (1 - far)
-    noise = 0.5 * _smooth_noise(rng, 5.0) + 0.2 * rng.normal(size=IMAGE)
-    if (dropout > 0).any():
-        points = walk.positions[n][:, None] + walk.rotations[n].T @ (depth[..., None] * rays).reshape(-1, 3).T
-        field = patches(points.astype(np.float32)) if callable(patches) else 0.0
-        noise = noise + np.where(dropout > 0, 0.84 * np.reshape(field, IMAGE), 0.84 * _smooth_noise(rng, 5.0))
-    else:
-        noise = noise + 0.84 * _smooth_noise(rng, 5.0)
-    is_lost: BoolArray = special.ndtr(noise) < chance
-    return is_lost
+def _loss(depth: FloatArray, cosine: FloatArray, dropout: FloatArray) -> FloatArray:
+    """Chance that a reading does not come back: slanted, far away, or swallowed by the material."""
+    grazing = np.clip((0.35 - cosine) / 0.3, 0, 1)
+    far = np.clip((depth - 3.6) / 2.8, 0, 1)
+    chance: FloatArray = 1 - 0.995 * (1 - dropout) * (1 - 0.97 * grazing) * (1 - far)
+    return chance
 
 
-@numba.njit(parallel=True, cache=True)  # type: ignore[misc]  # numba is untyped
+@numba.njit(parallel=True, cache=True)
 def _rasterise(vertices, faces, rotations, shifts, focal, depth, face):  # type: ignore[no-untyped-def]
     """Depth buffer of every frame; frames are independent, so threads don't change the result."""
     n_frames, rows, columns = depth.shape

@@ -49,34 +49,44 @@ def scan_colors(
     light = facing * (0.55 + 0.45 * _openness(scene, points, normals)) * (1 + 0.05 * cloud(columns))
     grain = rng.normal(0, 5, (len(points), 1)) + rng.normal(0, 2.5, (len(points), 3))
     tint = np.array([1.03, 1.0, 0.94])  # lamplight
-    return np.clip(albedo * light[:, None] * tint + grain, 0, 255).astype(np.uint8)
+    result: npt.NDArray[np.uint8] = np.clip(albedo * light[:, None] * tint + grain, 0, 255).astype(np.uint8)
+    return result
 
 
 def _pattern(material: Material, points: FloatArray, field: Callable[[FloatArray], FloatArray]) -> FloatArray:
     """How much of the accent colour there is at each point, 0 to 1."""
     x, y, z = points / np.float32(material.scale)
-    across = x + 0.6 * z
-    if material.pattern == "grain":
-        wander = field(points)
-        return 0.5 + 0.5 * np.sin(2 * np.pi * (0.15 * x + y + z + 0.35 * wander))
-    if material.pattern == "planks":
-        plank = np.floor(y)
-        tone = np.modf(np.abs(np.sin(plank * 12.9898 + np.floor(0.12 * x + 0.37 * plank) * 78.233)) * 437.585)[0]
-        joint = np.abs(y - plank - 0.5) > 0.46
-        return np.where(joint, 1.0, 0.7 * tone + 0.1 * field(points))
-    if material.pattern == "weave":
-        return 0.5 + 0.25 * np.sin(4 * np.pi * across) * np.sin(4 * np.pi * (y + 0.6 * z)) + 0.1 * field(points)
-    if material.pattern == "stripes":
-        return (np.sin(2 * np.pi * across) > 0.2).astype(np.float32)
-    if material.pattern == "checks":
-        return 0.5 * (np.sin(2 * np.pi * across) > 0) + 0.5 * (np.sin(2 * np.pi * (y + 0.6 * z)) > 0)
+    across, along = 2 * np.pi * (x + 0.6 * z), 2 * np.pi * (y + 0.6 * z)
+    if material.pattern == "plain":
+        return np.zeros(points.shape[1], dtype=np.float32)
     if material.pattern == "spots":
-        return 0.5 + 0.35 * field(points / np.float32(material.scale) * 0.5)
+        return 0.5 + 0.35 * field(points / np.float32(2 * material.scale))
     if material.pattern == "print":
-        return np.round(2 * (0.5 + 0.4 * field(points * np.float32(0.5 / material.scale)))) / 2
-    if material.pattern == "books":
-        return np.modf(np.abs(np.sin(np.floor(x) * 12.9898 + np.floor(y) * 78.233) * 43758.5))[0]
-    return np.zeros(points.shape[1], dtype=np.float32)
+        return np.round(1 + 0.8 * field(points * np.float32(0.5 / material.scale))) / 2
+    mix: FloatArray
+    if material.pattern == "grain":
+        mix = 0.5 + 0.5 * np.sin(2 * np.pi * (0.15 * x + y + z + 0.35 * field(points)))
+    elif material.pattern == "planks":
+        row = np.floor(y)
+        is_joint = np.abs(y - row - 0.5) > 0.46
+        mix = np.where(
+            is_joint, 1, 0.7 * _scramble(row, np.floor(0.12 * x + 0.37 * row)) + 0.1 * field(points)
+        )
+    elif material.pattern == "weave":
+        mix = 0.5 + 0.25 * np.sin(2 * across) * np.sin(2 * along) + 0.1 * field(points)
+    elif material.pattern == "stripes":
+        mix = (np.sin(across) > 0.2).astype(np.float32)
+    elif material.pattern == "checks":
+        mix = 0.5 * (np.sin(across) > 0) + 0.5 * (np.sin(along) > 0)
+    else:  # books: each of another colour
+        mix = _scramble(np.floor(x), np.floor(y))
+    return mix
+
+
+def _scramble(i: FloatArray, j: FloatArray) -> FloatArray:
+    """A number from 0 to 1 for each pair of whole numbers, without visible order."""
+    scrambled: FloatArray = np.modf(np.abs(np.sin(12.9898 * i + 78.233 * j)) * 437.585)[0]
+    return scrambled
 
 
 def _openness(scene: Scene, points: FloatArray, normals: FloatArray) -> FloatArray:

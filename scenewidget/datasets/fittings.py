@@ -1,7 +1,7 @@
 """What belongs to walls, ceiling and floor, and the small things that lie about.
 
-Wall things are built with the wall's surface at y = 0 and the free space at y > 0, ceiling things hang down from z = 0,
-the others stand on z = 0. All reach a little into what carries them (`SINK`).
+Wall things are built with the wall's surface at y = 0 and the free space at y > 0, ceiling things hang down
+from z = 0, the others stand on z = 0. All reach a little into what carries them (`SINK`).
 """
 
 from __future__ import annotations
@@ -52,7 +52,9 @@ LACQUER = Material((240, 239, 234), (228, 226, 220), "spots", 0.6)
 def picture(rng: np.random.Generator) -> Piece:
     """A framed print, 3 cm proud of the wall; its middle is at z = 0."""
     w, h = rng.uniform(0.15, 0.42), rng.uniform(0.18, 0.38)
-    rim = cut(box([-w, -SINK, -h], [w, 0.035, h], 0.004), box([-w + 0.03, 0, -h + 0.03], [w - 0.03, 0.1, h - 0.03]))
+    rim = cut(
+        box([-w, -SINK, -h], [w, 0.035, h], 0.004), box([-w + 0.03, 0, -h + 0.03], [w - 0.03, 0.1, h - 0.03])
+    )
     canvas = box([-w + 0.01, -SINK, -h + 0.01], [w - 0.01, 0.02, h - 0.01])
     return Piece("picture", (Part(rim, materials.wood(rng)), Part(canvas, materials.paper(rng))))
 
@@ -76,7 +78,9 @@ def wall_shelf(rng: np.random.Generator) -> Piece:
     )
     n_books = int(rng.integers(4, 9))
     edges = np.concatenate([[0.0], np.cumsum(rng.uniform(0.02, 0.05, n_books))])
-    row = box_row(edges, rng.uniform(0.16, 0.27, n_books), rng.uniform(0.12, 0.19, n_books), [-0.9 * w, 0.01, -0.004])
+    row = box_row(
+        edges, rng.uniform(0.16, 0.27, n_books), rng.uniform(0.12, 0.19, n_books), [-0.9 * w, 0.01, -0.004]
+    )
     books = Part(row, Material((160, 80, 60), (70, 100, 120), "books", 0.03))
     return Piece("wall shelf", (Part(board, materials.wood(rng)), books))
 
@@ -99,7 +103,11 @@ def radiator(rng: np.random.Generator, width: float) -> Piece:
 def curtain(rng: np.random.Generator, width: float, height: float) -> Piece:
     """A folded cloth on a rod, from `height` down nearly to the floor."""
     cloth = wavy_sheet(
-        [-width / 2, 0.03, 0.03], [width / 2, 0.2, height], width / rng.uniform(0.13, 0.18), 0.04, rng.uniform(0, 6)
+        [-width / 2, 0.03, 0.03],
+        [width / 2, 0.2, height],
+        width / rng.uniform(0.13, 0.18),
+        0.04,
+        rng.uniform(0, 6),
     )
     pole = union(
         rod([-width / 2 - 0.06, 0.11, height + 0.01], [width / 2 + 0.06, 0.11, height + 0.01], 0.016),
@@ -111,7 +119,9 @@ def curtain(rng: np.random.Generator, width: float, height: float) -> Piece:
 
 
 def window(rng: np.random.Generator, width: float, height: float, depth: float) -> Piece:
-    """Frame, glazing bars, panes and sill in a recess of `depth`; the lower edge of the recess is at z = 0."""
+    """Frame, glazing bars, panes and sill in a recess of `depth`; the lower edge of the recess is at z =
+    0.
+    """
     w = width / 2
     rim, back = 0.06, -depth
     bars = [box([-0.03, back, 0], [0.03, back + 0.06, height])] if width > 0.8 else []
@@ -128,26 +138,39 @@ def window(rng: np.random.Generator, width: float, height: float, depth: float) 
         *bars,
     )
     pane = box([-w, back - SINK, 0], [w, back + 0.02, height])
-    return Piece("window", (Part(frame, LACQUER), Part(pane, materials.glass(float(rng.choice([0.25, 0.6, 0.9]))))))
+    return Piece(
+        "window", (Part(frame, LACQUER), Part(pane, materials.glass(float(rng.choice([0.25, 0.6, 0.9])))))
+    )
 
 
 def door(rng: np.random.Generator, width: float, height: float, angle: float) -> Piece:
-    """Frame, leaf with two panels, handles: one instance. `angle` radians open into the room, hinges at +x."""
+    """Frame, leaf with two panels, handles: one instance. `angle` radians open into the room, hinges at
+    +x.
+    """
     w = width / 2
     casing = cut(
-        union(box([-w - 0.07, -SINK, -SINK], [w + 0.07, 0.02, height + 0.07], 0.004),
-              box([-w - SINK, -0.1, -SINK], [w + SINK, 0.01, height + SINK])),
+        union(
+            box([-w - 0.07, -SINK, -SINK], [w + 0.07, 0.02, height + 0.07], 0.004),
+            box([-w - SINK, -0.1, -SINK], [w + SINK, 0.01, height + SINK]),
+        ),
         box([-w + 0.015, -1, -0.1], [w - 0.015, 1, height - 0.015]),
-    )  # fmt: skip
+    )
     leaf = cut(
         box([-width + 0.03, -0.045, 0.005], [0, 0.0, height - 0.02], 0.003),
-        *(box([-width + 0.15, -0.012, low], [-0.13, 0.1, high]) for low, high in ((0.2, 0.85), (1.05, height - 0.18))),
+        *(
+            box([-width + 0.15, -0.012, low], [-0.13, 0.1, high])
+            for low, high in ((0.2, 0.85), (1.05, height - 0.18))
+        ),
     )
-    handle = union(*(
-        union(rod([-width + 0.1, y, 1.03], [-width + 0.1, 2.2 * y, 1.03], 0.014),
-              rod([-width + 0.1, 2.2 * y, 1.03], [-width + 0.22, 2.2 * y, 1.03], 0.013))
-        for y in (-0.06, 0.035)
-    ))  # fmt: skip
+    handle = union(
+        *(
+            union(
+                rod([-width + 0.1, y, 1.03], [-width + 0.1, 2.2 * y, 1.03], 0.014),
+                rod([-width + 0.1, 2.2 * y, 1.03], [-width + 0.22, 2.2 * y, 1.03], 0.013),
+            )
+            for y in (-0.06, 0.035)
+        )
+    )
     hinge = [w - 0.016, 0.0, 0.0]
     return Piece(
         "door",
@@ -178,13 +201,19 @@ def hanging_lamp(rng: np.random.Generator) -> Piece:
             *(rod([0, 0, -drop], tip, 0.018) for tip in tips),
             *(ball([tip[0], tip[1], tip[2] - 0.05], 0.06) for tip in tips),
         )
-    return Piece("hanging lamp", (Part(cord, metal), Part(head, Material((240, 230, 204), (228, 214, 178), "spots"))))
+    return Piece(
+        "hanging lamp", (Part(cord, metal), Part(head, Material((240, 230, 204), (228, 214, 178), "spots")))
+    )
 
 
 def carpet(rng: np.random.Generator) -> Piece:
     """A carpet, 1.5 cm thick, rectangular or round, a little wavy; its middle is at the origin."""
     w, h = rng.uniform(0.8, 1.3), rng.uniform(0.6, 0.95)
-    body = box([-w, -h, -SINK], [w, h, 0.014], 0.006) if rng.random() < 0.65 else cylinder([0, 0, -SINK], 0.029, h, 0.006)
+    body = (
+        box([-w, -h, -SINK], [w, h, 0.014], 0.006)
+        if rng.random() < 0.65
+        else cylinder([0, 0, -SINK], 0.029, h, 0.006)
+    )
     return Piece("carpet", (Part(displaced(body, 0.003, ripples(rng, 0.7)), materials.fabric(rng)),))
 
 
@@ -192,9 +221,13 @@ def monitor(rng: np.random.Generator) -> Piece:
     """A computer screen on its foot."""
     w = rng.uniform(0.25, 0.32)
     screen = box([-w, -0.018, 0.1], [w, 0.018, 0.1 + 1.15 * w], 0.008).tilted(0.06)
-    foot = union(cylinder([0, -0.03, -SINK], 0.012 + SINK, 0.11, 0.006), rod([0, -0.05, 0], [0, -0.035, 0.25], 0.018))
+    foot = union(
+        cylinder([0, -0.03, -SINK], 0.012 + SINK, 0.11, 0.006), rod([0, -0.05, 0], [0, -0.035, 0.25], 0.018)
+    )
     panel = box([-w + 0.015, 0.0, 0.115], [w - 0.015, 0.021, 0.09 + 1.15 * w]).tilted(0.06)
-    return Piece("monitor", (Part(union(screen, foot), Material((40, 40, 44))), Part(panel, materials.glass(0.25))))
+    return Piece(
+        "monitor", (Part(union(screen, foot), Material((40, 40, 44))), Part(panel, materials.glass(0.25)))
+    )
 
 
 def table_lamp(rng: np.random.Generator) -> Piece:
@@ -207,7 +240,10 @@ def table_lamp(rng: np.random.Generator) -> Piece:
         rod([0, 0, 0], [0, 0, tall + 0.05], 0.014),
     )
     shade = cup([0, 0, tall], 0.17, rng.uniform(0.12, 0.15), 0.08, 0.024)
-    return Piece("table lamp", (Part(foot, materials.plastic(rng)), Part(shade, Material((236, 222, 190), (222, 204, 164)))))
+    return Piece(
+        "table lamp",
+        (Part(foot, materials.plastic(rng)), Part(shade, Material((236, 222, 190), (222, 204, 164)))),
+    )
 
 
 # --- small things ---------------------------------------------------------------------------------
@@ -226,9 +262,17 @@ def _vase(rng: np.random.Generator) -> Piece:
 
 def _bowl(rng: np.random.Generator) -> Piece:
     radius = rng.uniform(0.1, 0.16)
-    shell = union(cup([0, 0, -SINK], 0.09, 0.5 * radius, radius, 0.014, 0.03), torus([0, 0, 0.075], radius - 0.006, 0.009))
-    fruit = union(*(ball([0.45 * radius * np.cos(a), 0.45 * radius * np.sin(a), 0.065], 0.038) for a in (0.3, 2.4, 4.5)))
-    return Piece("bowl", (Part(shell, materials.plastic(rng)), Part(fruit, Material((206, 120, 50), (190, 60, 40), "spots"))))
+    shell = union(
+        cup([0, 0, -SINK], 0.09, 0.5 * radius, radius, 0.014, 0.03),
+        torus([0, 0, 0.075], radius - 0.006, 0.009),
+    )
+    fruit = union(
+        *(ball([0.45 * radius * np.cos(a), 0.45 * radius * np.sin(a), 0.065], 0.038) for a in (0.3, 2.4, 4.5))
+    )
+    return Piece(
+        "bowl",
+        (Part(shell, materials.plastic(rng)), Part(fruit, Material((206, 120, 50), (190, 60, 40), "spots"))),
+    )
 
 
 def _book_stack(rng: np.random.Generator) -> Piece:
@@ -244,7 +288,11 @@ def _book_stack(rng: np.random.Generator) -> Piece:
 def _carton(rng: np.random.Generator) -> Piece:
     w, h, tall = rng.uniform(0.09, 0.2), rng.uniform(0.09, 0.16), rng.uniform(0.1, 0.28)
     body = box([-w, -h, -SINK], [w, h, tall], 0.004)
-    flap = cut(body, box([-w + 0.015, -h + 0.015, 0.4 * tall], [w - 0.015, h - 0.015, 1])) if rng.random() < 0.5 else body
+    flap = (
+        cut(body, box([-w + 0.015, -h + 0.015, 0.4 * tall], [w - 0.015, h - 0.015, 1]))
+        if rng.random() < 0.5
+        else body
+    )
     return Piece("box", (Part(flap, Material((186, 150, 108), (170, 134, 94), "spots", 0.2)),))
 
 
@@ -260,13 +308,21 @@ def _bag(rng: np.random.Generator) -> Piece:
         ellipsoid([0, 0, 0.38 * tall], [w, 0.12, 0.44 * tall]),
         box([-0.9 * w, -0.1, -SINK], [0.9 * w, 0.1, 0.5 * tall], 0.05),
     )
-    strap = union(rod([-0.6 * w, 0, 0.6 * tall], [0, 0.02, tall + 0.1], 0.014), rod([0, 0.02, tall + 0.1], [0.6 * w, 0, 0.6 * tall], 0.014))
-    return Piece("bag", (Part(displaced(union(body, strap), 0.008, ripples(rng, 0.16)), materials.fabric(rng)),))
+    strap = union(
+        rod([-0.6 * w, 0, 0.6 * tall], [0, 0.02, tall + 0.1], 0.014),
+        rod([0, 0.02, tall + 0.1], [0.6 * w, 0, 0.6 * tall], 0.014),
+    )
+    return Piece(
+        "bag", (Part(displaced(union(body, strap), 0.008, ripples(rng, 0.16)), materials.fabric(rng)),)
+    )
 
 
 def _clothes(rng: np.random.Generator) -> Piece:
     lumps = [
-        ellipsoid([*rng.normal(0, 0.1, 2), 0.03], [rng.uniform(0.14, 0.26), rng.uniform(0.1, 0.2), rng.uniform(0.05, 0.1)])
+        ellipsoid(
+            [*rng.normal(0, 0.1, 2), 0.03],
+            [rng.uniform(0.14, 0.26), rng.uniform(0.1, 0.2), rng.uniform(0.05, 0.1)],
+        )
         for _ in range(3)
     ]
     heap = displaced(smooth_union(0.1, *lumps), 0.011, ripples(rng, 0.15))
@@ -288,15 +344,21 @@ def _laptop(rng: np.random.Generator) -> Piece:
 def _mug(rng: np.random.Generator) -> Piece:
     body = cup([0, 0, -SINK], 0.1 + SINK, 0.042, 0.046, 0.01, 0.03)
     ear = rod([0.05, 0, 0.03], [0.075, 0, 0.05], 0.009)
-    return Piece("mug", (Part(union(body, ear, rod([0.075, 0, 0.05], [0.05, 0, 0.08], 0.009)), materials.plastic(rng)),))
+    return Piece(
+        "mug",
+        (Part(union(body, ear, rod([0.075, 0, 0.05], [0.05, 0, 0.08], 0.009)), materials.plastic(rng)),),
+    )
 
 
 def _pot_plant(rng: np.random.Generator) -> Piece:
     pot = cup([0, 0, -SINK], 0.12, 0.05, 0.07, 0.012, 0.08)
     blobs = [
-        ellipsoid([*rng.normal(0, 0.045, 2), rng.uniform(0.13, 0.26)], rng.uniform(0.04, 0.07, 3).tolist()) for _ in range(5)
+        ellipsoid([*rng.normal(0, 0.045, 2), rng.uniform(0.13, 0.26)], rng.uniform(0.04, 0.07, 3).tolist())
+        for _ in range(5)
     ]
-    crown = displaced(smooth_union(0.03, *blobs, rod([0, 0, 0.06], [0, 0, 0.2], 0.02)), 0.006, ripples(rng, 0.07))
+    crown = displaced(
+        smooth_union(0.03, *blobs, rod([0, 0, 0.06], [0, 0, 0.2], 0.02)), 0.006, ripples(rng, 0.07)
+    )
     return Piece("pot plant", (Part(pot, materials.plastic(rng)), Part(crown, materials.leaf(rng))))
 
 

@@ -1,7 +1,8 @@
 """Furniture that stands on the floor, each piece different by its random generator.
 
-A piece is built in a frame of its own: origin on the floor in the middle of its back, x to the right, y forward, z up,
-metres. It reaches a little under the floor (`SINK`), so that noise never opens a gap between the two.
+A piece is built in a frame of its own: origin on the floor in the middle of its back, x to the right, y
+forward, z up, metres. It reaches a little under the floor (`SINK`), so that noise never opens a gap between
+the two.
 """
 
 from __future__ import annotations
@@ -152,7 +153,9 @@ def desk(rng: np.random.Generator) -> Piece:
     oak = materials.wood(rng)
     board = box([-width / 2, 0, height - 0.035], [width / 2, depth, height], 0.008)
     inner, outer = sorted((side * (width / 2 - 0.42), side * (width / 2 - 0.03)))
-    drawers = _fronts(box([inner, 0.04, 0.06], [outer, depth - 0.05, height - 0.03], 0.006), "z", 3, depth - 0.05)
+    drawers = _fronts(
+        box([inner, 0.04, 0.06], [outer, depth - 0.05, height - 0.03], 0.006), "z", 3, depth - 0.05
+    )
     legs = union(
         *(
             rod([-side * (width / 2 - 0.06), y, -SINK], [-side * (width / 2 - 0.06), y, height - 0.03], 0.024)
@@ -173,19 +176,42 @@ def chair(rng: np.random.Generator) -> Piece:
     y0 = lean + 0.03
     seat = box([-width / 2, y0 - 0.02, height - 0.035], [width / 2, y0 + depth, height], 0.017)
     legs = union(
-        *(rod([s * (width / 2 - 0.02), y0 + depth - 0.035, -SINK], [s * (width / 2 - 0.035), y0 + depth - 0.05, height - 0.02],
-              0.017, 0.024) for s in (-1, 1)),
-        *(rod([s * (width / 2 - 0.025), y0 - 0.02, -SINK], [s * (width / 2 - 0.03), y0 + 0.01, height], 0.017, 0.023)
-          for s in (-1, 1)),
-    )  # fmt: skip
+        *(
+            rod(
+                [s * (width / 2 - 0.02), y0 + depth - 0.035, -SINK],
+                [s * (width / 2 - 0.035), y0 + depth - 0.05, height - 0.02],
+                0.017,
+                0.024,
+            )
+            for s in (-1, 1)
+        ),
+        *(
+            rod(
+                [s * (width / 2 - 0.025), y0 - 0.02, -SINK],
+                [s * (width / 2 - 0.03), y0 + 0.01, height],
+                0.017,
+                0.023,
+            )
+            for s in (-1, 1)
+        ),
+    )
     posts = union(
-        *(rod([s * (width / 2 - 0.03), y0 + 0.01, height - 0.02], [s * (width / 2 - 0.03), y0 - lean, back], 0.022, 0.016)
-          for s in (-1, 1))
-    )  # fmt: skip
+        *(
+            rod(
+                [s * (width / 2 - 0.03), y0 + 0.01, height - 0.02],
+                [s * (width / 2 - 0.03), y0 - lean, back],
+                0.022,
+                0.016,
+            )
+            for s in (-1, 1)
+        )
+    )
     style = rng.integers(3)
     if style == 0:  # ladder back
         levels = np.linspace(0.35, 0.93, 3)
-        slats = [_bent_slat(width - 0.04, y0 + 0.01 - lean * t, height + t * (back - height), 0.03) for t in levels]
+        slats = [
+            _bent_slat(width - 0.04, y0 + 0.01 - lean * t, height + t * (back - height), 0.03) for t in levels
+        ]
         rest = union(posts, *slats)
     elif style == 1:  # shell
         bow = cylinder([0, y0 + 0.42, height + 0.1], back - height - 0.1, 0.45)
@@ -198,7 +224,10 @@ def chair(rng: np.random.Generator) -> Piece:
         rest = union(posts, rest)
     parts = [Part(union(seat, legs, rest), oak)]
     if rng.random() < 0.4:
-        pad = cushion([-width / 2 + 0.02, y0 + 0.03, height - 0.01], [width / 2 - 0.02, y0 + depth - 0.02, height + 0.04])
+        pad = cushion(
+            [-width / 2 + 0.02, y0 + 0.03, height - 0.01],
+            [width / 2 - 0.02, y0 + depth - 0.02, height + 0.04],
+        )
         parts.append(Part(pad, materials.fabric(rng)))
     return Piece("chair", tuple(parts))
 
@@ -222,25 +251,44 @@ def bed(rng: np.random.Generator) -> Piece:
     """A bed: frame, headboard, mattress, wrinkled duvet and pillows, all one instance."""
     width, length, height = rng.choice([0.9, 1.4, 1.6]), rng.uniform(2.0, 2.1), rng.uniform(0.42, 0.52)
     half = width / 2
-    oak, linen, cover = materials.wood(rng), Material((232, 230, 224), (214, 212, 208), "spots", 0.3), materials.fabric(rng)
+    oak, linen, cover = (
+        materials.wood(rng),
+        Material((232, 230, 224), (214, 212, 208), "spots", 0.3),
+        materials.fabric(rng),
+    )
     frame = union(
         box([-half - 0.04, 0, 0.12], [half + 0.04, length + 0.04, 0.3], 0.015),
         box([-half - 0.05, 0, 0.1], [half + 0.05, 0.05, rng.uniform(0.8, 1.15)], 0.02),
-        *(box([s * half - 0.05, y, -SINK], [s * half + 0.05, y + 0.08, 0.14]) for s in (-1, 1) for y in (0.02, length - 0.06)),
+        *(
+            box([s * half - 0.05, y, -SINK], [s * half + 0.05, y + 0.08, 0.14])
+            for s in (-1, 1)
+            for y in (0.02, length - 0.06)
+        ),
     )
     mattress = box([-half, 0.05, 0.25], [half, length, height - 0.04], 0.06)
     start = rng.uniform(0.5, 0.75)
     hang = rng.uniform(0.1, 0.2)
-    duvet = box([-half - 0.05, start, height - 0.06 - hang], [half + 0.05, length + 0.02, height + 0.05], 0.07)
-    fold = rod([-half - 0.02, start + 0.05, height + 0.03], [half + 0.02, start + rng.uniform(0, 0.12), height + 0.03], 0.055)
-    heap = ellipsoid([rng.uniform(-0.4, 0.4) * half, rng.uniform(1.0, 1.7), height], [0.35 * width, 0.4, rng.uniform(0.06, 0.16)])
+    duvet = box(
+        [-half - 0.05, start, height - 0.06 - hang], [half + 0.05, length + 0.02, height + 0.05], 0.07
+    )
+    fold = rod(
+        [-half - 0.02, start + 0.05, height + 0.03],
+        [half + 0.02, start + rng.uniform(0, 0.12), height + 0.03],
+        0.055,
+    )
+    heap = ellipsoid(
+        [rng.uniform(-0.4, 0.4) * half, rng.uniform(1.0, 1.7), height],
+        [0.35 * width, 0.4, rng.uniform(0.06, 0.16)],
+    )
     duvet = displaced(smooth_union(0.12, duvet, fold, heap), 0.011, ripples(rng, 0.3))
     n_pillows = 1 if width < 1.2 else 2
     pillows = []
     for i in range(n_pillows):
         x = (i - (n_pillows - 1) / 2) * width / 2
         pillow = cushion([-0.36 if n_pillows > 1 else -0.38, -0.22, -0.07], [0.36, 0.22, 0.07], 0.7)
-        pillows.append(pillow.tilted(rng.uniform(-0.35, 0)).moved([x, 0.31, height + 0.06], rng.normal(0, 0.08)))
+        pillows.append(
+            pillow.tilted(rng.uniform(-0.35, 0)).moved([x, 0.31, height + 0.06], rng.normal(0, 0.08))
+        )
     soft = displaced(union(*pillows), 0.005, ripples(rng, 0.18))
     return Piece("bed", (Part(frame, oak), Part(union(mattress, soft), linen), Part(duvet, cover)))
 
@@ -254,7 +302,10 @@ def shelf(rng: np.random.Generator) -> Piece:
         box([-width / 2, 0, -SINK], [-width / 2 + 0.025, depth, height]),
         box([width / 2 - 0.025, 0, -SINK], [width / 2, depth, height]),
         box([-width / 2, -SINK, 0], [width / 2, 0.012, height]),
-        *(box([-width / 2, 0, 0.05 + i * pitch], [width / 2, depth, 0.075 + i * pitch]) for i in range(n_rows)),
+        *(
+            box([-width / 2, 0, 0.05 + i * pitch], [width / 2, depth, 0.075 + i * pitch])
+            for i in range(n_rows)
+        ),
         box([-width / 2, 0, height - 0.028], [width / 2, depth, height]),
     ]
     rows = []
@@ -265,8 +316,15 @@ def shelf(rng: np.random.Generator) -> Piece:
             rows.append(_books(rng, filled, pitch - 0.05, depth - 0.04).moved(base))
         if filled < 0.7 * width and rng.random() < 0.7:  # a bowl, ball or box in the empty place
             x, room = -width / 2 + filled + 0.14, pitch - 0.06
-            item = ball([x, 0.15, base[2] + 0.085], 0.08) if rng.random() < 0.5 else box(
-                [x - 0.09, 0.05, base[2]], [x + 0.1, depth - 0.03, base[2] + rng.uniform(0.4, 0.8) * room], 0.01)  # fmt: skip
+            item = (
+                ball([x, 0.15, base[2] + 0.085], 0.08)
+                if rng.random() < 0.5
+                else box(
+                    [x - 0.09, 0.05, base[2]],
+                    [x + 0.1, depth - 0.03, base[2] + rng.uniform(0.4, 0.8) * room],
+                    0.01,
+                )
+            )
             rows.append(item)
     colors = Material((150, 70, 60), (60, 90, 130), "books", 0.035)
     parts = [Part(union(*boards), materials.wood(rng))]
@@ -287,10 +345,12 @@ def wardrobe(rng: np.random.Generator) -> Piece:
         box([-width / 2 - 0.025, 0, height - 0.05], [width / 2 + 0.025, depth + 0.025, height], 0.01),
     )
     handles = union(
-        *(rod([x, depth + 0.03, 0.9], [x, depth + 0.03, 1.15], 0.012) for x in
-          (np.arange(1, n_doors) / n_doors - 0.5) * width + 0.06),
+        *(
+            rod([x, depth + 0.03, 0.9], [x, depth + 0.03, 1.15], 0.012)
+            for x in (np.arange(1, n_doors) / n_doors - 0.5) * width + 0.06
+        ),
         *(ball([(i + 0.5) / n_doors * width - width / 2, depth, 1.02], 0.018) for i in range(n_doors)),
-    )  # fmt: skip
+    )
     oak = materials.wood(rng)
     return Piece("wardrobe", (Part(union(body, frame), oak), Part(handles, materials.metal(rng))))
 
@@ -302,7 +362,10 @@ def sideboard(rng: np.random.Generator) -> Piece:
     body = _fronts(box([-width / 2, 0, 0.14], [width / 2, depth, height], 0.008), "x", n_doors, depth)
     legs = _legs(width - 0.16, 0.06, depth - 0.06, 0.16, 0.018, 0.028, splay=0.02)
     knobs = union(
-        *(ball([(i + 0.82) / n_doors * width - width / 2, depth + 0.012, 0.62 * height + 0.05], 0.02) for i in range(n_doors))
+        *(
+            ball([(i + 0.82) / n_doors * width - width / 2, depth + 0.012, 0.62 * height + 0.05], 0.02)
+            for i in range(n_doors)
+        )
     )
     top = Top((-width / 2 + 0.04, 0.04), (width / 2 - 0.04, depth - 0.04), height)
     oak = materials.wood(rng)
@@ -341,14 +404,19 @@ def floor_lamp(rng: np.random.Generator) -> Piece:
     bulb = ball([*center, height - 0.12], 0.045)
     if rng.random() < 0.3:  # arc
         reach = [center[0], center[1] + 0.35, height - 0.05]
-        pole = union(rod([*center, 0.02], [*center, height - 0.35], 0.019), rod([*center, height - 0.35], reach, 0.019))
+        pole = union(
+            rod([*center, 0.02], [*center, height - 0.35], 0.019), rod([*center, height - 0.35], reach, 0.019)
+        )
         shade = cup([reach[0], reach[1], height - 0.25], 0.22, 0.2, 0.1, 0.026)
         bulb = rod([*reach], [reach[0], reach[1], height - 0.16], 0.03)
     else:
         pole = rod([*center, 0.02], [*center, height - 0.05], 0.019)
         shade = cup([*center, height - tall], tall, wide, narrow, 0.026)
     ring = union(pole, foot, bulb)
-    return Piece("floor lamp", (Part(ring, materials.metal(rng)), Part(shade, Material((238, 226, 196), (226, 208, 168), "weave"))))
+    return Piece(
+        "floor lamp",
+        (Part(ring, materials.metal(rng)), Part(shade, Material((238, 226, 196), (226, 208, 168), "weave"))),
+    )
 
 
 def plant(rng: np.random.Generator) -> Piece:
@@ -360,26 +428,34 @@ def plant(rng: np.random.Generator) -> Piece:
     for i in range(int(rng.integers(7, 12))):
         angle = 2.4 * i + rng.normal(0, 0.2)
         lean, tall = rng.uniform(0.08, 0.26), rng.uniform(0.35, 1.0)
-        foot = center + [0.3 * radius * np.cos(angle), 0.3 * radius * np.sin(angle), pot_height - 0.05]
-        tip = center + [lean * np.cos(angle), lean * np.sin(angle), pot_height + tall * 0.75]
+        way = np.array([np.cos(angle), np.sin(angle), 0])
+        foot = center + 0.3 * radius * way + [0, 0, pot_height - 0.05]
+        tip = center + lean * way + [0, 0, pot_height + 0.75 * tall]
         stems.append(rod(foot.tolist(), tip.tolist(), 0.016, 0.013))
         long = rng.uniform(0.14, 0.24)
         blade = ellipsoid([0, long, 0], [0.4 * long, long, 0.018]).tilted(-rng.uniform(-0.3, 0.9))
         leaves.append(blade.moved(tip.tolist(), angle - np.pi / 2))
-    pot_color = Material((176, 106, 78), (160, 92, 66), "spots") if rng.random() < 0.5 else materials.plastic(rng)
+    pot_color = (
+        Material((176, 106, 78), (160, 92, 66), "spots") if rng.random() < 0.5 else materials.plastic(rng)
+    )
     return Piece("plant", (Part(pot, pot_color), Part(union(*stems, *leaves), materials.leaf(rng))))
 
 
 def bin_(rng: np.random.Generator) -> Piece:
     """A waste-paper basket."""
     radius, height = rng.uniform(0.12, 0.16), rng.uniform(0.28, 0.4)
-    return Piece("bin", (Part(cup([0, radius, -SINK], height, 0.8 * radius, radius, 0.015, 0.03), materials.plastic(rng)),))
+    return Piece(
+        "bin",
+        (Part(cup([0, radius, -SINK], height, 0.8 * radius, radius, 0.015, 0.03), materials.plastic(rng)),),
+    )
 
 
 # --- parts that several pieces share --------------------------------------------------------------
 
 
-def _legs(span: float, back: float, front: float, height: float, foot: float, hip: float, splay: float = 0.0) -> Shape:
+def _legs(
+    span: float, back: float, front: float, height: float, foot: float, hip: float, splay: float = 0.0
+) -> Shape:
     """Four tapered legs, `span` apart in x, at y = `back` and `front`, feet set out by `splay`."""
     return union(
         *(
@@ -406,16 +482,10 @@ def _fronts(body: Shape, axis: str, n_fronts: int, front: float) -> Shape:
 def _bent_slat(width: float, y: float, z: float, height: float) -> Shape:
     """A slat of a chair back, bowed backwards."""
     return union(
-        *(
-            rod([s * width / 2, y, z], [0, y - 0.025, z], 0.012)
-            for s in (-1, 1)
-        ),
-        *(
-            rod([s * width / 2, y, z + height], [0, y - 0.025, z + height], 0.012)
-            for s in (-1, 1)
-        ),
+        *(rod([s * width / 2, y, z], [0, y - 0.025, z], 0.012) for s in (-1, 1)),
+        *(rod([s * width / 2, y, z + height], [0, y - 0.025, z + height], 0.012) for s in (-1, 1)),
         box([-width / 2, y - 0.018, z], [width / 2, y - 0.002, z + height]),
-    )  # fmt: skip
+    )
 
 
 def _books(rng: np.random.Generator, width: float, tallest: float, deepest: float) -> Shape:
@@ -439,23 +509,37 @@ def _upholstered(
         0.05,
         box([-half, 0.02, 0.07], [half, depth, base], 0.03),
         box([-half, 0, 0.07], [half, 0.2, back], 0.08),
-        *(box([min(s * half, s * (half - arm)), 0.04, 0.07], [max(s * half, s * (half - arm)), depth, arm_height], 0.07)
-          for s in (-1, 1)),
-    )  # fmt: skip
+        *(
+            box(
+                [min(s * half, s * (half - arm)), 0.04, 0.07],
+                [max(s * half, s * (half - arm)), depth, arm_height],
+                0.07,
+            )
+            for s in (-1, 1)
+        ),
+    )
     inner = width - 2 * arm
     pitch = inner / n_seats
     soft = []
     for i in range(n_seats):
         x = -inner / 2 + i * pitch
-        soft.append(cushion([x + 0.006, 0.22, base - 0.03], [x + pitch - 0.006, depth + 0.02, seat + 0.02], 0.35))
+        soft.append(
+            cushion([x + 0.006, 0.22, base - 0.03], [x + pitch - 0.006, depth + 0.02, seat + 0.02], 0.35)
+        )
         rest = cushion([-pitch / 2 + 0.01, -0.1, 0], [pitch / 2 - 0.01, 0.1, back - seat + 0.08], 0.5)
         soft.append(rest.tilted(0.2).moved([x + pitch / 2, 0.32, seat - 0.02]))
     padding = displaced(union(*soft), 0.005, ripples(rng, 0.3))
     feet = _legs(width - 0.16, 0.08, depth - 0.08, 0.09, 0.02, 0.028)
-    parts = [Part(displaced(body, 0.003, ripples(rng, 0.4)), cloth), Part(padding, cloth), Part(feet, materials.wood(rng))]
+    parts = [
+        Part(displaced(body, 0.003, ripples(rng, 0.4)), cloth),
+        Part(padding, cloth),
+        Part(feet, materials.wood(rng)),
+    ]
     for _ in range(n_loose):
         size = rng.uniform(0.19, 0.24)
         loose = cushion([-size, -0.07, -size], [size, 0.07, size], 0.75).tilted(rng.uniform(0.25, 0.5))
         x = rng.uniform(-1, 1) * max(inner / 2 - size, 0)
-        parts.append(Part(loose.moved([x, 0.5, seat + size - 0.01], rng.normal(0, 0.25)), materials.fabric(rng)))
+        parts.append(
+            Part(loose.moved([x, 0.5, seat + size - 0.01], rng.normal(0, 0.25)), materials.fabric(rng))
+        )
     return Piece(kind, tuple(parts))

@@ -1,8 +1,8 @@
 """Depth images fused into one signed distance field, as scanning programs do it.
 
-Each node near a surface takes the weighted mean of how far each image puts the surface in front of it. Curless and Levoy
-(1996), SIGGRAPH; weights that fall off behind the surface after Bylow et al. (2013), RSS. What no image has seen
-stays unknown; thin things and narrow gaps suffer as they do in real scans.
+Each node near a surface takes the weighted mean of how far each image puts the surface in front of it.
+Curless and Levoy (1996), SIGGRAPH; weights that fall off behind the surface after Bylow et al. (2013), RSS.
+What no image has seen stays unknown; thin things and narrow gaps suffer as they do in real scans.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from scenewidget.datasets.grid import BLOCK, Band
 from scenewidget.engine.mesh import FloatArray
 
 __all__ = ["fuse"]
+
+_LEAST_EVIDENCE = 0.05  # a frontal reading from 4.5 m away; places seen worse than that stay empty
 
 
 def fuse(
@@ -52,7 +54,7 @@ def fuse(
     return band.with_values(np.where(np.isnan(fused), band.values, fused) if fill else fused)
 
 
-@numba.njit(parallel=True, cache=True)  # type: ignore[misc]  # numba is untyped
+@numba.njit(parallel=True, cache=True)
 def _integrate(blocks, rotations, shifts, depth, slant, focal, truncation, voxel, fused):  # type: ignore[no-untyped-def]
     """Mean of all readings at every node; a node belongs to one thread, so their number doesn't matter."""
     n_frames, rows, columns = depth.shape
@@ -60,6 +62,7 @@ def _integrate(blocks, rotations, shifts, depth, slant, focal, truncation, voxel
     for block in numba.prange(len(blocks)):
         total = np.zeros(BLOCK**3, dtype=np.float32)
         weight = np.zeros(BLOCK**3, dtype=np.float32)
+        evidence = np.zeros(BLOCK**3, dtype=np.float32)
         bi, bj, bk = blocks[block, 0] * BLOCK, blocks[block, 1] * BLOCK, blocks[block, 2] * BLOCK
         radius = 3 * voxel
         for n in range(n_frames):
@@ -70,7 +73,9 @@ def _integrate(blocks, rotations, shifts, depth, slant, focal, truncation, voxel
                 continue
             x = a[0, 0] * mi + a[0, 1] * mj + a[0, 2] * mk + t[0]
             y = a[1, 0] * mi + a[1, 1] * mj + a[1, 2] * mk + t[1]
-            if abs(x) - radius * 1.5 > z * columns / (2 * focal) or abs(y) - radius * 1.5 > z * rows / (2 * focal):
+            if abs(x) - radius * 1.5 > z * columns / (2 * focal) or abs(y) - radius * 1.5 > z * rows / (
+                2 * focal
+            ):
                 continue
             for node in range(BLOCK**3):
                 i, j, k = bi + node // (BLOCK * BLOCK), bj + (node // BLOCK) % BLOCK, bk + node % BLOCK
@@ -89,9 +94,10 @@ def _integrate(blocks, rotations, shifts, depth, slant, focal, truncation, voxel
                 if s < -behind:
                     continue
                 w = cosine / (z * z)
+                evidence[node] += w
                 if s < -voxel:
                     w *= max((behind + s) / (behind - voxel), np.float32(0.02))
                 total[node] += w * min(s, truncation)
                 weight[node] += w
         for node in range(BLOCK**3):
-            fused[block, node] = total[node] / weight[node] if weight[node] > 0.01 else np.nan
+            fused[block, node] = total[node] / weight[node] if evidence[node] > _LEAST_EVIDENCE else np.nan

@@ -1,7 +1,8 @@
 """A signed distance field on the nodes of a voxel grid, kept only near surfaces.
 
-Blocks of 4 x 4 x 4 nodes are found from coarse to fine: a block whose centre is further from every surface than its
-own half diagonal can't hold one. What remains costs memory and time in proportion to the surface, not to the volume.
+Blocks of 4 x 4 x 4 nodes are found from coarse to fine: a block whose centre is further from every surface
+than its own half diagonal can't hold one. What remains costs memory and time in proportion to the surface,
+not to the volume.
 """
 
 from __future__ import annotations
@@ -58,7 +59,9 @@ class Band:
         return replace(self, values=values)
 
 
-def sample_scene(scene: Scene, *, low: FloatArray, high: FloatArray, voxel: float, turn: float, width: float) -> Band:
+def sample_scene(
+    scene: Scene, *, low: FloatArray, high: FloatArray, voxel: float, turn: float, width: float
+) -> Band:
     """Distances of a scene at all nodes within `width` metres of a surface (and some more).
 
     Parameters
@@ -74,7 +77,9 @@ def sample_scene(scene: Scene, *, low: FloatArray, high: FloatArray, voxel: floa
     """
     cos, sin = np.cos(turn), np.sin(turn)
     axes = voxel * np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
-    corners = np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+    corners = np.array(
+        [(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+    )
     steps = corners @ axes / voxel**2
     # voxels never fall on the planes z = 0 or z = height exactly
     start = np.floor(steps.min(axis=0)) + np.array([0.31, 0.17, 0.43])
@@ -83,7 +88,7 @@ def sample_scene(scene: Scene, *, low: FloatArray, high: FloatArray, voxel: floa
     n_coarse = np.ceil((steps.max(axis=0) - start) / coarse_side).astype(int)
 
     blocks = np.stack(np.meshgrid(*(np.arange(n) for n in n_coarse), indexing="ij"), axis=-1).reshape(-1, 3)
-    near = [np.arange(len(blocks))] * len(scene.parts)
+    near: list[IntArray] = [np.arange(len(blocks))] * len(scene.parts)
     blocks, near = _keep_near(scene, origin, axes, blocks, near, coarse_side, width)
     children = np.stack(np.meshgrid(*[np.arange(_COARSE)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     fine = (blocks[:, None] * _COARSE + children).reshape(-1, 3)
@@ -121,7 +126,9 @@ def _keep_near(
     nearest = np.full(len(blocks), np.inf, dtype=np.float32)
     for i, (part, rows) in enumerate(zip(scene.parts, near, strict=True)):
         points = origin[:, None] + axes @ (blocks[rows].T * side + (side - 1) / 2)
-        inside = ((points >= scene.low[i][:, None] - reach) & (points <= scene.high[i][:, None] + reach)).all(axis=0)
+        inside = ((points >= scene.low[i][:, None] - reach) & (points <= scene.high[i][:, None] + reach)).all(
+            axis=0
+        )
         rows = rows[inside]
         found = part.shape.distance(points[:, inside].astype(np.float32)).astype(np.float32)
         np.minimum.at(nearest, rows, found)
@@ -157,12 +164,14 @@ def extract_surface(band: Band) -> tuple[FloatArray, IntArray]:
     first = volume[is_cell]
     if first.size == 0 or first.min() >= 0 or volume.min() >= 0:
         return np.empty((0, 3)), np.empty((0, 3), dtype=np.int32)
-    vertices, faces, _, _ = marching_cubes(volume, 0.0, mask=is_cell, allow_degenerate=True)
+    vertices, faces, _, _ = marching_cubes(volume, 0.0, mask=is_cell, allow_degenerate=True)  # type: ignore[no-untyped-call]  # scikit-image is untyped
     return vertices.astype(np.float64) * band.voxel, faces.astype(np.int32)
 
 
 def _cells(is_known: BoolArray) -> BoolArray:
-    """Cells whose eight corners are known, stored at the corner with the highest indices, as scikit-image reads it."""
+    """Cells whose eight corners are known, stored at the corner with the highest indices, as scikit-image
+    reads it.
+    """
     cell = np.zeros_like(is_known)
     inner = is_known[1:, 1:, 1:].copy()
     for i in (0, 1):

@@ -1,6 +1,8 @@
-"""What stands where: a room with walls, door and windows, and furniture in plausible places, all from one seed.
+"""What stands where: a room with walls, door and windows, and furniture in plausible places, all from one
+seed.
 
-Room coordinates: metres, the south-west corner of the floor at the origin, x to the east, y to the north, z up.
+Room coordinates: metres, the south-west corner of the floor at the origin, x to the east, y to the north, z
+up.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from scenewidget.datasets import fittings, furniture, materials
 from scenewidget.datasets.fittings import LACQUER
 from scenewidget.datasets.furniture import SINK, Maker, Part, Piece
 from scenewidget.datasets.scene import Scene, Thing, place
-from scenewidget.datasets.shapes import Shape, box, cut, displaced, ripples, union
+from scenewidget.datasets.shapes import Shape, box, cut, displaced, half_space, overlap, ripples, union
 from scenewidget.engine.mesh import FloatArray
 
 __all__ = ["STYLES", "Plan", "furnish", "room_plan"]
@@ -22,20 +24,24 @@ __all__ = ["STYLES", "Plan", "furnish", "room_plan"]
 # what a room of each style gets, in this order; more objects go round the list again
 STYLES: dict[str, tuple[str, ...]] = {
     "living": (
-        "sofa", "coffee table", "carpet", "television", "sideboard", "armchair", "picture", "floor lamp", "curtain",
-        "shelf", "plant", "hanging lamp", "radiator", "picture", "table", "chair", "chair", "pouf", "curtain", "wall shelf",
+        "sofa", "coffee table", "carpet", "television", "sideboard", "armchair", "picture",
+        "floor lamp", "curtain", "shelf", "plant", "hanging lamp", "radiator", "picture", "table",
+        "chair", "chair", "pouf", "curtain", "wall shelf",
     ),
     "bedroom": (
-        "bed", "nightstand", "wardrobe", "curtain", "picture", "carpet", "hanging lamp", "chair", "radiator", "plant",
-        "nightstand", "sideboard", "curtain", "wall shelf", "armchair", "picture", "floor lamp", "bin", "desk", "chair",
+        "bed", "nightstand", "wardrobe", "curtain", "picture", "carpet", "hanging lamp", "chair",
+        "radiator", "plant", "nightstand", "sideboard", "curtain", "wall shelf", "armchair",
+        "picture", "floor lamp", "bin", "desk", "chair",
     ),
     "dining": (
-        "table", "chair", "chair", "chair", "hanging lamp", "sideboard", "picture", "chair", "curtain", "radiator",
-        "plant", "shelf", "carpet", "round table", "chair", "chair", "picture", "floor lamp", "armchair", "curtain",
+        "table", "chair", "chair", "chair", "hanging lamp", "sideboard", "picture", "chair",
+        "curtain", "radiator", "plant", "shelf", "carpet", "round table", "chair", "chair",
+        "picture", "floor lamp", "armchair", "curtain",
     ),
     "study": (
-        "desk", "chair", "monitor", "shelf", "bin", "radiator", "shelf", "armchair", "picture", "floor lamp", "plant",
-        "curtain", "round table", "chair", "hanging lamp", "carpet", "wall shelf", "sideboard", "pouf", "chair",
+        "desk", "chair", "monitor", "shelf", "bin", "radiator", "shelf", "armchair", "picture",
+        "floor lamp", "plant", "curtain", "round table", "chair", "hanging lamp", "carpet",
+        "wall shelf", "sideboard", "pouf", "chair",
     ),
 }  # fmt: skip
 
@@ -62,6 +68,7 @@ _HANGING: dict[str, tuple[Maker, float, float]] = {  # maker, range of heights
     "television": (fittings.television, 1.15, 1.35),
     "wall shelf": (fittings.wall_shelf, 1.3, 1.75),
 }
+_FITTED = {"radiator", "curtain", "hanging lamp", *_HANGING}  # fixed to a wall or the ceiling
 _MARGIN = 0.01  # metres between the boxes of things that must not touch
 _OUTSIDE = 12.0  # metres that walls, floor and ceiling reach outwards, beyond any grid
 
@@ -87,7 +94,9 @@ class Wall:
     def point(self, along: float, away: float = 0.0) -> tuple[float, float]:
         """Room coordinates, `along` metres from the start and `away` metres into the room."""
         cos, sin = np.cos(self.turn), np.sin(self.turn)
-        return float(self.start[0] + along * cos - away * sin), float(self.start[1] + along * sin + away * cos)
+        return float(self.start[0] + along * cos - away * sin), float(
+            self.start[1] + along * sin + away * cos
+        )
 
 
 @dataclass(frozen=True)
@@ -152,22 +161,33 @@ def room_plan(
         dx, dy = end[0] - start[0], end[1] - start[1]
         side = ("south" if dx > 0 else "north") if abs(dx) > abs(dy) else ("east" if dy > 0 else "west")
         walls.append(Wall(f"wall {side}", start, end))
-    walls = [replace(wall, name=name) for wall, name in zip(walls, _numbered([w.name for w in walls]), strict=True)]
+    walls = [
+        replace(wall, name=name) for wall, name in zip(walls, _numbered([w.name for w in walls]), strict=True)
+    ]
     order = rng.permutation(len(walls))
-    doors, windows = [], []
+    doors: list[Opening] = []
+    windows: list[Opening] = []
     for i in order.tolist():
         free = walls[i].length - 0.3
         if not doors and free > 1.2:
             wide = rng.uniform(0.8, 0.92)
             at = wide / 2 + 0.15 + rng.choice([0.05, 0.95]) * (free - wide)
             angle = rng.uniform(0.3, 1.7) if rng.random() < 0.5 else 0.0
-            doors.append(Opening(i, float(at), float(wide), 0.0, min(2.05, height - 0.15), 5.0 if angle else 0.03, angle))
+            if notch is not None and i in (2, 3):  # behind these walls is the missing corner: nowhere to go
+                angle = 0.0
+            doors.append(
+                Opening(
+                    i, float(at), float(wide), 0.0, min(2.05, height - 0.15), 5.0 if angle else 0.03, angle
+                )
+            )
         elif len(windows) < (1 if width * depth < 16 else 2) and free > 1.5 and height > 1.7:
             wide = min(rng.uniform(1.0, 1.7), free - 0.3)
             at = wide / 2 + 0.3 + rng.uniform(0.2, 0.8) * (free - wide - 0.3)
             low = rng.uniform(0.8, 0.95)
             tall = min(rng.uniform(1.1, 1.35), height - low - 0.2)
-            windows.append(Opening(i, float(at), float(wide), float(low), float(tall), float(rng.uniform(0.12, 0.24))))
+            windows.append(
+                Opening(i, float(at), float(wide), float(low), float(tall), float(rng.uniform(0.12, 0.24)))
+            )
     return Plan(size, notch, tuple(walls), tuple(doors), tuple(windows))
 
 
@@ -192,7 +212,10 @@ def furnish(
     for _ in range(clutter):
         room.add_clutter()
     names = _numbered([piece.kind for piece, _, _ in room.placed], always=True)
-    things = [place(name, piece, offset, turn) for name, (piece, offset, turn) in zip(names, room.placed, strict=True)]
+    things = [
+        place(name, piece, offset, turn)
+        for name, (piece, offset, turn) in zip(names, room.placed, strict=True)
+    ]
     return Scene([*shell, *things]), n_placed
 
 
@@ -233,8 +256,7 @@ def _shell(plan: Plan, rng: np.random.Generator, relief: float) -> list[Thing]:
                 [o.middle + o.width / 2, 1, o.bottom + o.height])
             for o in openings
         ]  # fmt: skip
-        before, after = (0 if corner == _reentrant(plan) else reach for corner in (wall.start, wall.end))
-        slab = box([-before, -reach, -reach], [wall.length + after, 0, height + reach])
+        slab = _slab(wall, height, _reentrant(plan))
         board = box([0, -SINK, -SINK], [wall.length, 0.016, 0.075], 0.004)
         gaps = [box([o.middle - o.width / 2 - 0.07, -1, -1], [o.middle + o.width / 2 + 0.07, 1, 1])
                 for o in openings if o.bottom == 0]  # fmt: skip
@@ -242,11 +264,32 @@ def _shell(plan: Plan, rng: np.random.Generator, relief: float) -> list[Thing]:
         things.append(place(wall.name, Piece(wall.name, parts), [*wall.start, 0], wall.turn))
     for n, o in enumerate(plan.doors, 1):
         leaf = fittings.door(rng, o.width, o.height, o.angle)
-        things.append(place(f"door {n}", leaf, [*plan.walls[o.wall].point(o.middle), 0], plan.walls[o.wall].turn))
+        things.append(
+            place(f"door {n}", leaf, [*plan.walls[o.wall].point(o.middle), 0], plan.walls[o.wall].turn)
+        )
     for n, o in enumerate(plan.windows, 1):
         panes = fittings.window(rng, o.width, o.height, o.depth)
-        things.append(place(f"window {n}", panes, [*plan.walls[o.wall].point(o.middle), o.bottom], plan.walls[o.wall].turn))
+        things.append(
+            place(
+                f"window {n}", panes, [*plan.walls[o.wall].point(o.middle), o.bottom], plan.walls[o.wall].turn
+            )
+        )
     return things
+
+
+def _slab(wall: Wall, height: float, reentrant: tuple[float, float] | None) -> Shape:
+    """All that is behind a wall, in the wall's frame.
+
+    At a corner that points into the room, two walls share what is behind them along its diagonal (with some
+    overlap), or else the one would fill the openings of the other.
+    """
+    before, after = (0 if corner == reentrant else _OUTSIDE for corner in (wall.start, wall.end))
+    slab = box([-before, -_OUTSIDE, -_OUTSIDE], [wall.length + after, 0, height + _OUTSIDE])
+    if before == 0:
+        slab = overlap(slab, half_space([0, 0, 0], [-1.3, -1, 0]))
+    if after == 0:
+        slab = overlap(slab, half_space([wall.length, 0, 0], [1.3, -1, 0]))
+    return slab
 
 
 def _reentrant(plan: Plan) -> tuple[float, float] | None:
@@ -285,7 +328,9 @@ class _Furnishing:
         for o in (*self.plan.doors, *self.plan.windows):
             wall = self.plan.walls[o.wall]
             before = o.width + 0.05 if o.bottom == 0 else 0.3
-            corners = [wall.point(o.middle + s * (o.width / 2 + 0.08), y) for s in (-1, 1) for y in (-0.2, before)]
+            corners = [
+                wall.point(o.middle + s * (o.width / 2 + 0.08), y) for s in (-1, 1) for y in (-0.2, before)
+            ]
             low, high = np.min(corners, axis=0), np.max(corners, axis=0)
             self.blocked.append((np.array([*low, o.bottom]), np.array([*high, o.bottom + o.height])))
 
@@ -332,11 +377,16 @@ class _Furnishing:
         """Inside the room, clear of everything but its host (what it stands on or under)."""
         low, high = _box(pose)
         width, depth, height = self.plan.size
-        if (low[:2] < -0.03).any() or high[0] > width + 0.03 or high[1] > depth + 0.03 or high[2] > height + 2 * SINK:
+        slack = 0.06 if pose[0].kind in _FITTED else 0.03  # how far it may reach into walls or ceiling
+        if (low[:2] < -slack).any() or (high > np.array([width, depth, height]) + slack).any():
             return False
         is_flat = pose[0].kind == "carpet"
         for i, other in enumerate(self.taken):
-            if i != host and not (is_flat ^ (self.placed[i][0].kind == "carpet")) and _meet(low, high, *other):
+            if (
+                i != host
+                and not (is_flat ^ (self.placed[i][0].kind == "carpet"))
+                and _meet(low, high, *other)
+            ):
                 return False
         # curtains and radiators belong at windows, a door swings over a carpet
         first = {"carpet": -1.0, "curtain": 0.0, "radiator": 0.0}.get(pose[0].kind, np.inf)
@@ -380,8 +430,12 @@ class _Furnishing:
         wall = self.plan.walls[int(self.rng.choice(len(lengths), p=lengths / lengths.sum()))]
         half = float(max(piece.high[0], -piece.low[0]))
         low, high = half + 0.04, wall.length - half - 0.04
-        along = float(self.rng.choice([low, high])) if self.rng.random() < 0.35 else float(self.rng.uniform(low, max(low, high)))
-        x, y = wall.point(along, gap)
+        along = (
+            float(self.rng.choice([low, high]))
+            if self.rng.random() < 0.35
+            else float(self.rng.uniform(low, max(low, high)))
+        )
+        x, y = wall.point(along, gap - min(float(piece.low[1]) + 0.02, 0.0))  # leaves stay out of the wall
         return piece, (x, y, float(z)), wall.turn
 
     def _at_window(self, kind: str, rng: np.random.Generator) -> Proposal | None:
@@ -392,10 +446,10 @@ class _Furnishing:
         wall = self.plan.walls[o.wall]
         if kind == "radiator":
             along = o.middle
-            piece = fittings.radiator(rng, min(o.width, 1.3) * rng.uniform(0.6, 0.95))
+            piece = fittings.radiator(rng, min(o.width, 1.3) * rng.uniform(0.55, 0.85))
         else:
             wide = rng.uniform(0.45, 0.7)
-            along = o.middle + rng.choice([-1, 1]) * (o.width / 2 + rng.uniform(-0.15, 0.1) * wide)
+            along = o.middle + rng.choice([-1, 1]) * (o.width / 2 + rng.uniform(0.3, 0.55) * wide)
             piece = fittings.curtain(rng, wide, min(o.bottom + o.height + 0.12, self.plan.size[2] - 0.08))
         return (piece, (*wall.point(float(along)), 0.0), wall.turn), None
 
@@ -431,7 +485,10 @@ class _Furnishing:
         if host[0].kind == "desk":
             local, turn = np.array([self.rng.uniform(-0.1, 0.1), high[1] + piece.high[1] - 0.5 * tuck]), np.pi
         elif high[1] - low[1] > 0.97 or high[0] - low[0] < 1.1:  # round
-            radius, turn = (high[0] - low[0]) / 2, float(self.rng.choice(np.arange(4) * np.pi / 2) + self.rng.normal(0, 0.15))
+            radius, turn = (
+                (high[0] - low[0]) / 2,
+                float(self.rng.choice(np.arange(4) * np.pi / 2) + self.rng.normal(0, 0.15)),
+            )
             way = np.array([np.sin(turn), -np.cos(turn)])
             local = np.array([0, (low[1] + high[1]) / 2]) + way * (radius + piece.high[1] - 0.6 * tuck)
         else:

@@ -14,7 +14,14 @@ from scenewidget.datasets.shipped import ROOM_FILE
 __all__ = ["RECIPE", "make_room"]
 
 RECIPE: MappingProxyType[str, Any] = MappingProxyType(
-    {"seed": 1, "style": "living", "shape": "rectangle", "size": (4.6, 3.9, 2.5), "n_objects": 13, "voxel": 0.028}
+    {
+        "seed": 1,
+        "style": "living",
+        "shape": "rectangle",
+        "size": (4.6, 3.9, 2.5),
+        "n_objects": 14,
+        "voxel": 0.028,
+    }
 )
 
 

@@ -1,4 +1,6 @@
-"""What things are made of, as far as a scanner notices: their colours and how much of their depth gets lost."""
+"""What things are made of, as far as a scanner notices: their colours and how much of their depth gets
+lost.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,8 @@ class Material:
     scale : float
         Size of the pattern in metres.
     dropout : float
-        Share of depth readings that come back empty: glass lets light through, black absorbs it, metal mirrors it.
+        Share of depth readings that come back empty: glass lets light through, black absorbs it, metal
+        mirrors it.
     """
 
     color: Color

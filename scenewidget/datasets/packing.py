@@ -1,8 +1,9 @@
 """A labelled mesh in few bytes: the format of the shipped room.
 
-Marching cubes numbers vertices as it goes, so that neighbours in space are neighbours in the file. Vertices are
-renumbered by first use, faces count backwards from the highest vertex so far (a new vertex is a 0), positions (in
-steps of half a millimetre), colours and labels are differences to their predecessor; LZMA does the rest.
+Marching cubes numbers vertices as it goes, so that neighbours in space are neighbours in the file. Vertices
+are renumbered by first use, faces count backwards from the highest vertex so far (a new vertex is a 0),
+positions (in steps of half a millimetre), colours and labels are differences to their predecessor; LZMA does
+the rest.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ STEP = 0.0005  # metres
 
 
 def pack(mesh: Mesh, labels: IntArray, names: Sequence[str]) -> bytes:
-    """Bytes from which `unpack` restores the mesh, positions rounded to `STEP`, vertices in order of first use.
+    """Bytes from which `unpack` restores the mesh, positions rounded to `STEP`, vertices in order of first
+    use.
 
     Parameters
     ----------

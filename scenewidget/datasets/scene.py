@@ -61,7 +61,8 @@ class Scene:
         points : (3, n) float
             Room coordinates, metres.
         reach : float
-            Parts further away than this (metres) are left out at first; points that find none are asked again.
+            Parts further away than this (metres) are left out at first; points that find none are asked
+            again.
 
         Returns
         -------

@@ -1,9 +1,9 @@
 """Solids as signed distances: what furniture is made of.
 
-A shape answers, for many points at once, how far away its surface is: positive outside, negative inside, metres.
-The primitives are exact or never overestimate, so that a block of space can be skipped safely. Points come as
-``(3, n)``, one row an axis, which lets formulas read ``x, y, z = points``. Closed forms after Quilez,
-"Distance functions" (iquilezles.org), and Hart (1996), The Visual Computer 12.
+A shape answers, for many points at once, how far away its surface is: positive outside, negative inside,
+metres. The primitives are exact or never overestimate, so that a block of space can be skipped safely.
+Points come as ``(3, n)``, one row an axis, which lets formulas read ``x, y, z = points``. Closed forms after
+Quilez, "Distance functions" (iquilezles.org), and Hart (1996), The Visual Computer 12.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 from scenewidget.engine.mesh import FloatArray
 
 __all__ = [
+    "Field",
     "Shape",
     "ball",
     "box",
@@ -27,6 +28,7 @@ __all__ = [
     "cylinder",
     "displaced",
     "ellipsoid",
+    "half_space",
     "overlap",
     "repeated",
     "ripples",
@@ -96,7 +98,9 @@ def ball(center: Point, radius: float) -> Shape:
 
 
 def ellipsoid(center: Point, radii: Point) -> Shape:
-    """An axis-aligned ellipsoid; first-order distance, good near the surface, at most the smallest radius off inside."""
+    """An axis-aligned ellipsoid; first-order distance, good near the surface, at most the smallest radius
+    off inside.
+    """
     middle, r = _column(center), _column(radii)
 
     def distance(points: FloatArray) -> FloatArray:
@@ -104,7 +108,8 @@ def ellipsoid(center: Point, radii: Point) -> Shape:
         norm = _length(*scaled)
         slope = _length(*(scaled / r))
         inside = -float(r.min()) * np.ones_like(norm)
-        return np.divide(norm * (norm - 1), slope, out=inside, where=slope > 1e-6)
+        gap: FloatArray = np.divide(norm * (norm - 1), slope, out=inside, where=slope > 1e-6)
+        return gap
 
     return Shape(distance, *_around(center, radii))
 
@@ -118,9 +123,19 @@ def box(low: Point, high: Point, rounding: float = 0.0) -> Shape:
     def distance(points: FloatArray) -> FloatArray:
         x, y, z = np.abs(points - middle) - (half - rounding)
         outside = _length(np.maximum(x, 0), np.maximum(y, 0), np.maximum(z, 0))
-        return outside + np.minimum(np.maximum(np.maximum(x, y), z), 0) - rounding
+        result: FloatArray = outside + np.minimum(np.maximum(np.maximum(x, y), z), 0) - rounding
+        return result
 
     return Shape(distance, np.array(low, float), np.array(high, float))
+
+
+def half_space(point: Point, normal: Point) -> Shape:
+    """All that lies behind a plane through `point`; `normal` points out of it."""
+    middle = _column(point)
+    unit = _column(normal) / np.float32(np.linalg.norm(normal))
+    return Shape(
+        lambda points: (unit * (points - middle)).sum(axis=0), np.full(3, -np.inf), np.full(3, np.inf)
+    )
 
 
 def cylinder(bottom: Point, height: float, radius: float, rounding: float = 0.0) -> Shape:
@@ -145,19 +160,24 @@ def cone(bottom: Point, height: float, low_radius: float, high_radius: float) ->
     def distance(points: FloatArray) -> FloatArray:
         x, y, z = points - middle
         radius = _length(x, y)
-        cap_r = radius - np.minimum(radius, np.where(z < height / 2, np.float32(low_radius), np.float32(high_radius)))
+        cap_r = radius - np.minimum(
+            radius, np.where(z < height / 2, np.float32(low_radius), np.float32(high_radius))
+        )
         cap_z = np.abs(z - height / 2) - height / 2
         along = np.clip(((radius - low_radius) * slant + z * height) / square, 0, 1)
         side_r = radius - low_radius - along * slant
         side_z = z - along * height
         is_inside = (side_r < 0) & (cap_z < 0)
         gap = np.sqrt(np.minimum(cap_r**2 + cap_z**2, side_r**2 + side_z**2))
-        return np.where(is_inside, -gap, gap)
+        result: FloatArray = np.where(is_inside, -gap, gap)
+        return result
 
     return Shape(distance, *_standing(bottom, height, max(low_radius, high_radius)))
 
 
-def cup(bottom: Point, height: float, low_radius: float, high_radius: float, wall: float, floor: float = 0.0) -> Shape:
+def cup(
+    bottom: Point, height: float, low_radius: float, high_radius: float, wall: float, floor: float = 0.0
+) -> Shape:
     """An upright cone, hollow and open at the top; with `floor` = 0 also open below, as a lamp shade is."""
     slope = (high_radius - low_radius) / height
     start = floor if floor > 0 else -0.1
@@ -171,7 +191,9 @@ def cup(bottom: Point, height: float, low_radius: float, high_radius: float, wal
 
 
 def rod(start: Point, end: Point, radius: float, end_radius: float | None = None) -> Shape:
-    """A round bar with round ends, tapered if `end_radius` differs; exact for equal radii, else to first order."""
+    """A round bar with round ends, tapered if `end_radius` differs; exact for equal radii, else to first
+    order.
+    """
     a, b = _column(start), _column(end)
     axis = b - a
     square = float((axis**2).sum())
@@ -180,7 +202,8 @@ def rod(start: Point, end: Point, radius: float, end_radius: float | None = None
     def distance(points: FloatArray) -> FloatArray:
         rest = points - a
         along = np.clip((rest * axis).sum(axis=0) / square, 0, 1)
-        return _length(*(rest - along * axis)) - (radius + along * (last - radius))
+        result: FloatArray = _length(*(rest - along * axis)) - (radius + along * (last - radius))
+        return result
 
     reach = max(radius, last)
     low = np.minimum(a, b)[:, 0] - reach
@@ -194,7 +217,8 @@ def torus(center: Point, ring: float, tube: float) -> Shape:
 
     def distance(points: FloatArray) -> FloatArray:
         x, y, z = points - middle
-        return np.hypot(_length(x, y) - ring, z) - tube
+        result: FloatArray = np.hypot(_length(x, y) - ring, z) - tube
+        return result
 
     return Shape(distance, *_around(center, [ring + tube, ring + tube, tube]))
 
@@ -210,7 +234,9 @@ def cushion(low: Point, high: Point, softness: float = 0.6) -> Shape:
     def distance(points: FloatArray) -> FloatArray:
         rest = np.abs(points - middle)
         a, b = np.minimum(rest[u] / half[u], 1.2), np.minimum(rest[v] / half[v], 1.2)
-        thickness = half[thin] * (1 - softness * np.maximum(a, b) ** 4 - 0.25 * softness * np.minimum(a, b) ** 2)
+        thickness = half[thin] * (
+            1 - softness * np.maximum(a, b) ** 4 - 0.25 * softness * np.minimum(a, b) ** 2
+        )
         top = 0.75 * (rest[thin] - np.maximum(thickness, 0.1 * half[thin]))
         side = _rectangle(rest[u] - half[u] + rounding, rest[v] - half[v] + rounding) - rounding
         return _smooth_maximum(top, side, 0.5 * float(half[thin]))
@@ -219,7 +245,9 @@ def cushion(low: Point, high: Point, softness: float = 0.6) -> Shape:
 
 
 def wavy_sheet(low: Point, high: Point, n_folds: float, thickness: float, phase: float = 0.0) -> Shape:
-    """A hanging cloth: a sheet along x that swings in y between `low` and `high`, folds fuller towards the floor."""
+    """A hanging cloth: a sheet along x that swings in y between `low` and `high`, folds fuller towards the
+    floor.
+    """
     middle = (_column(low) + _column(high)) / 2
     half = ((_column(high) - _column(low)) / 2)[:, 0]
     wave = float(2 * np.pi * n_folds / (2 * half[0]))
@@ -231,7 +259,8 @@ def wavy_sheet(low: Point, high: Point, n_folds: float, thickness: float, phase:
         fold = np.sin(wave * x + phase) + 0.25 * np.sin(2.3 * wave * x + 2 * phase)
         center = swing * 0.8 * fold * (0.75 - 0.25 * np.clip(z / half[2], -1, 1))
         sheet = (np.abs(y - center) - thickness / 2) * lipschitz
-        return np.maximum(sheet, np.maximum(np.abs(x) - half[0], np.abs(z) - half[2]))
+        result: FloatArray = np.maximum(sheet, np.maximum(np.abs(x) - half[0], np.abs(z) - half[2]))
+        return result
 
     return Shape(distance, np.array(low, float), np.array(high, float))
 
@@ -239,8 +268,8 @@ def wavy_sheet(low: Point, high: Point, n_folds: float, thickness: float, phase:
 def box_row(edges: FloatArray, heights: FloatArray, depths: FloatArray, base: Point) -> Shape:
     """Boxes side by side along x, as books in a shelf: box i spans ``edges[i]`` to ``edges[i + 1]``.
 
-    Each reaches from the back plane y = ``base[1]`` forward by ``depths[i]`` and up from ``base[2]`` by ``heights[i]``.
-    Exact up to the second neighbour of the box at a point's x.
+    Each reaches from the back plane y = ``base[1]`` forward by ``depths[i]`` and up from ``base[2]`` by
+    ``heights[i]``. Exact up to the second neighbour of the box at a point's x.
     """
     starts, ends = edges[:-1] + base[0] + 0.001, edges[1:] + base[0] - 0.001
 
@@ -312,7 +341,9 @@ def overlap(a: Shape, b: Shape) -> Shape:
 
 
 def repeated(shape: Shape, axis: int, n_copies: int, pitch: float) -> Shape:
-    """Copies of `shape` along an axis, centred about it, `pitch` metres apart; `shape` must fit within one pitch."""
+    """Copies of `shape` along an axis, centred about it, `pitch` metres apart; `shape` must fit within one
+    pitch.
+    """
     last = (n_copies - 1) / 2
 
     def distance(points: FloatArray) -> FloatArray:
@@ -328,7 +359,9 @@ def repeated(shape: Shape, axis: int, n_copies: int, pitch: float) -> Shape:
 
 
 def displaced(shape: Shape, amount: float, field: Field) -> Shape:
-    """`shape` with its surface pushed out by ``amount * field(points)`` metres; keep the slope of that below 1/2."""
+    """`shape` with its surface pushed out by ``amount * field(points)`` metres; keep the slope of that below
+    1/2.
+    """
     if amount == 0:
         return shape
     return Shape(
@@ -339,7 +372,9 @@ def displaced(shape: Shape, amount: float, field: Field) -> Shape:
 
 
 def ripples(rng: np.random.Generator, wavelength: float, n_waves: int = 10) -> Field:
-    """A smooth random field of rms 1: plane waves in random directions, wavelengths within a factor 1.6 of the given."""
+    """A smooth random field of rms 1: plane waves in random directions, wavelengths within a factor 1.6 of
+    the given.
+    """
     direction = rng.normal(size=(n_waves, 3))
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     length = wavelength * rng.uniform(0.7, 1.6, n_waves)
@@ -375,7 +410,9 @@ def _rectangle(x: FloatArray, y: FloatArray) -> FloatArray:
 
 
 def _smooth_maximum(a: FloatArray, b: FloatArray, radius: float) -> FloatArray:
-    """Polynomial smooth maximum: differs from the maximum only where a and b are within `radius` of each other."""
+    """Polynomial smooth maximum: differs from the maximum only where a and b are within `radius` of each
+    other.
+    """
     blend = np.maximum(radius - np.abs(a - b), 0) / radius
     return np.maximum(a, b) + blend**2 * (radius / 4)
 

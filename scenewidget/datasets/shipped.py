@@ -14,10 +14,11 @@ ROOM_FILE = "room.xz"
 
 
 def load_room() -> tuple[Mesh, Segmentation]:
-    """A simulated scan of a furnished living room and its truth, read from the package: no network, under a second.
+    """A simulated scan of a furnished living room and its truth, read from the package: no network, under a
+    second.
 
-    Made once by ``python -m scenewidget.datasets.make_room``, positions rounded to half a millimetre. What the
-    segments of the truth are, `simulate_room` says.
+    Made once by ``python -m scenewidget.datasets.make_room``, positions rounded to half a millimetre. What
+    the segments of the truth are, `simulate_room` says.
 
     Returns
     -------
