@@ -86,9 +86,10 @@ def join_planes(
     smallest_seed: float = 1.0,
     roughness: float = 0.04,
     parallel: float = 0.9,
-    reach: tuple[float, float] = (0.015, 0.04),
+    reach: tuple[float, float] = (0.03, 0.05),
     behind: float = 0.12,
     share_behind: float = 0.03,
+    shell: float = 0.3,
 ) -> IntArray:
     """Join segments that lie in the plane of a wall, floor or ceiling, whether they touch it or not.
 
@@ -110,6 +111,9 @@ def join_planes(
         How far a segment may lie from the plane, metres: 1.5 times the seed's roughness between these.
     behind, share_behind : float
         A seed has at most this share of the scene's area more than ``behind`` metres behind its plane.
+    shell : float
+        Fusion leaves shells behind walls that face the other way; those up to this far behind (metres)
+        belong to the wall.
 
     Returns
     -------
@@ -149,7 +153,9 @@ def join_planes(
         spread = np.einsum("i,nij,j->n", normal, moments.scatter, normal) / area
         distance = np.sqrt(offset**2 + np.maximum(spread, 0.0))
         near = distance < np.clip(1.5 * rms[s], *reach)
-        joins = is_free & near & (mean_normal @ normal > parallel)
+        facing = mean_normal @ normal
+        joins = is_free & near & (facing > parallel)
+        joins |= is_free & (facing < -parallel) & (offset < 0) & (offset > -shell)
         joins[s] = True
         group[joins] = s
         is_free[joins] = False
