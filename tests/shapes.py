@@ -131,7 +131,7 @@ def room(n: int = 24, *, noise: float = 0.0, seed: int = 0) -> tuple[Mesh, np.nd
     not touch the floor).
     """
     walls, table = box(n, size=(4.0, 3.0, 2.4)), box(n // 2, size=(1.2, 0.8, 0.5))
-    table = Mesh(table.vertices + [0.3, 0.2, -0.4], table.faces)
+    table = Mesh(table.vertices + np.array([0.3, 0.2, -0.4]), table.faces)
     part = [_side(walls), 6 + _side(table)]
     mesh = joined(Mesh(walls.vertices, walls.faces[:, ::-1]), table)
     jitter = np.random.default_rng(seed).normal(scale=noise, size=mesh.vertices.shape) if noise else 0.0

@@ -71,7 +71,7 @@ def distance_matrices(draw: st.DrawFn, max_items: int = 12) -> np.ndarray:
 
 @st.composite
 def nasty_meshes(draw: st.DrawFn) -> Mesh:
-    """What scans and exports go wrong by: soups, fans, doubled and flipped faces, slivers, fragments, extremes."""
+    """What goes wrong in scans and exports: soups, fans, doubled and flipped faces, fragments, extremes."""
     base = draw(
         st.one_of(
             messy_meshes(),
