@@ -26,8 +26,9 @@ __all__ = ["cut_segment"]
 
 FUZZY = 0.6  # |d_a − d_b| / d(a, b) below which the minimum cut decides
 CONVEX = 0.2  # what a convex crease counts beside a concave one (Katz and Tal use 0.1 to 0.2)
-TURN = 3.0
-STEEP = 1.0
+TURN = 3.0  # edges that a mean turn of the normal is worth in the distance
+STEEP = 1.0  # how fast creases get cheap
+MIDDLE = 5.0  # boundaries near a seed are dearer, or the shortest one on a plane would hug it
 SCALE = 1_000_000  # capacities are whole numbers; the dearest edge has this
 
 
@@ -90,9 +91,9 @@ def _divide(sub: Mesh, pairs: IntArray, inside: BoolArray, a: int, b: int) -> Bo
     node[lean > 0] = 1
     node[a], node[b] = 0, 1
     node[fuzzy] = 2 + np.arange(int(fuzzy.sum()))
-    capacity = np.maximum(
-        1, np.round(SCALE * lengths / lengths.max() / (1.0 + STEEP * turn / mean_turn))
-    ).astype(np.int64)
+    dearness = lengths / (1.0 + STEEP * turn / mean_turn) * (1.0 + MIDDLE * lean[pairs].mean(axis=1) ** 2)
+    longest = float(dearness.max())
+    capacity = np.maximum(1, np.round(SCALE / (longest or 1.0) * dearness)).astype(np.int64)
     ends = np.sort(node[pairs], axis=1)
     crosses = ends[:, 0] != ends[:, 1]
     is_source_side = _min_cut(2 + int(fuzzy.sum()), ends[crosses], capacity[crosses])

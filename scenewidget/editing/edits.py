@@ -13,6 +13,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from scenewidget.engine.segmentation import LEVELS, Level
 
 __all__ = ["Cut", "Edit", "EditError", "Merge", "Relabel", "Split", "edit_from_dict", "edit_to_dict"]
@@ -38,9 +40,11 @@ class Merge:
     level: Level = "final"
 
     def __post_init__(self) -> None:
-        faces = (self.faces,) if hasattr(self.faces, "__index__") else self.faces
-        if isinstance(faces, (str, bytes)) or not isinstance(faces, Iterable):
-            raise TypeError(f"faces must be a face or a sequence of faces, got {faces!r}")
+        faces: Any = self.faces
+        if np.ndim(faces) == 0:  # a single face
+            faces = (faces,)
+        if isinstance(faces, bytes) or not isinstance(faces, Iterable):
+            raise TypeError(f"faces must be a face or a sequence of faces, got {self.faces!r:.200}")
         checked = tuple(dict.fromkeys(_face("faces", face) for face in faces))
         if not checked:
             raise ValueError("faces is empty: a merge needs at least one part to move")

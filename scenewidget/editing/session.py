@@ -200,8 +200,7 @@ class Session:
         EditError
             Nothing would move.
         """
-        faces = (face,) if hasattr(face, "__index__") else face
-        return self.do(Merge(tuple(faces), onto_face, level))  # type: ignore[arg-type]  # checked inside
+        return self.do(Merge(face, onto_face, level))  # type: ignore[arg-type]  # Merge makes it a tuple
 
     def split(self, face: int, level: Level = "final") -> Step:
         """The part of ``level`` under a face becomes a segment of its own, without a name.
