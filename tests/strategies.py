@@ -87,24 +87,31 @@ def nasty_meshes(draw: st.DrawFn) -> Mesh:
     return base
 
 
+def _some_flipped(mesh: Mesh, rng: np.random.Generator) -> Mesh:
+    flips = rng.random((mesh.n_faces, 1)) < 0.5
+    return Mesh(mesh.vertices, np.where(flips, mesh.faces[:, ::-1], mesh.faces))
+
+
+def _some_dropped(mesh: Mesh, rng: np.random.Generator) -> Mesh:
+    stays = rng.random(mesh.n_faces) < 0.7
+    stays[0] = True
+    return Mesh(mesh.vertices, mesh.faces[stays])
+
+
+def _with_degenerate(mesh: Mesh, rng: np.random.Generator) -> Mesh:
+    return Mesh(mesh.vertices, np.concatenate([mesh.faces, np.repeat(mesh.faces[:, :1], 3, axis=1)]))
+
+
 _CHANGES = {
     "soup": lambda mesh, rng: shapes.soup(mesh),
     "double": lambda mesh, rng: Mesh(mesh.vertices, np.concatenate([mesh.faces, mesh.faces])),
-    "flip some": lambda mesh, rng: Mesh(
-        mesh.vertices, np.where(rng.random((mesh.n_faces, 1)) < 0.5, mesh.faces, mesh.faces[:, ::-1])
-    ),
-    "degenerate": lambda mesh, rng: Mesh(
-        mesh.vertices, np.concatenate([mesh.faces, np.repeat(mesh.faces[:, :1], 3, axis=1)])
-    ),
-    "drop some": lambda mesh, rng: (
-        Mesh(mesh.vertices, mesh.faces[rng.random(mesh.n_faces) < 0.7][: mesh.n_faces])
-        if mesh.n_faces > 20
-        else mesh
-    ),
+    "flip": _some_flipped,
+    "degenerate": _with_degenerate,
+    "drop": _some_dropped,
     "unused": lambda mesh, rng: Mesh(np.concatenate([mesh.vertices, [[np.nan] * 3, [1e9] * 3]]), mesh.faces),
     "tiny": lambda mesh, rng: Mesh(1e-6 * mesh.vertices, mesh.faces),
     "huge": lambda mesh, rng: Mesh(1e5 * np.clip(mesh.vertices, -1e9, 1e9), mesh.faces),
     "far": lambda mesh, rng: Mesh(mesh.vertices + 1e5, mesh.faces),
     "noise": lambda mesh, rng: Mesh(mesh.vertices + 0.05 * rng.normal(size=mesh.vertices.shape), mesh.faces),
-    "second scene": lambda mesh, rng: shapes.joined(mesh, shapes.icosphere(1), gap=5.0),
+    "another": lambda mesh, rng: shapes.joined(mesh, shapes.icosphere(1), gap=5.0),
 }

@@ -89,9 +89,13 @@ def co_association(keys: IntArray, weights: FloatArray | None = None) -> CoAssoc
         )
     if keys.shape[1] == 0:
         raise ValueError("keys has no runs: an ensemble needs at least one")
+    if len(keys) == 0:
+        raise ValueError("keys has no items")
     weights = np.ones(len(keys)) if weights is None else np.asarray(weights, dtype=np.float64)
     if weights.shape != (len(keys),):
         raise ValueError(f"weights must have one entry an item: ({len(keys)},), got {weights.shape}")
+    if not (weights.min() >= 0 and np.isfinite(weights).all()):
+        raise ValueError("weights must be finite and not negative")
     base = base_segments(keys)
     n_base = int(base.max()) + 1
     first = np.full(n_base, len(base), dtype=np.int64)
@@ -170,7 +174,7 @@ def settle_leftovers(
         safe = np.where(mass > 0, mass, 1.0)
         mean = member @ C @ member.T / (safe[:, None] * safe[None, :])
         settled = groups < m
-        mean[np.ix_(settled, settled)] = 0.0  # settled clusters stay apart; only leftovers move
+        mean[np.ix_(settled, settled)] = -1e15  # settled clusters stay apart, whatever stands between them
         np.fill_diagonal(mean, 1.0)
         labels = cut_tree(average_linkage(mean, mass), similarity=0.5)[inverse].astype(np.int64)
     _, dense = np.unique(labels, return_inverse=True)

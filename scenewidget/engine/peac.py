@@ -98,6 +98,10 @@ def peac(
         Shapes, ranges or symmetry are not as above.
     """
     C, weights = _checked(C, weights, n_clusters)
+    if n_restarts < 1:
+        raise ValueError(f"n_restarts must be at least 1, got {n_restarts}")
+    if not tolerance > 0:
+        raise ValueError(f"tolerance must be above 0, got {tolerance}")
     monitor = monitor or SILENT
     sequence = seed if isinstance(seed, np.random.SeedSequence) else np.random.SeedSequence(seed)
     best: PeacResult | None = None
