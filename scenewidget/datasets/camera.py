@@ -24,6 +24,9 @@ IMAGE = (240, 320)  # rows, columns
 FOCAL = 225.0  # pixels: 71 degrees wide, 56 high
 _NEAREST = 0.35  # metres; closer surfaces give no reading
 _VIEWS = 7  # images at each stop
+_WILD = (
+    0.004  # share of readings that are wildly wrong, at 1 m: they leave fragments behind and before surfaces
+)
 _GAIN = 1.0  # noise of one reading in units of the noise that is left when all readings of a place are fused
 
 
@@ -170,7 +173,8 @@ def sense(
         keeps = (z > _NEAREST) & (depth[n] > 0) & ~is_lost
         if noise > 0:
             sigma = noise * _GAIN * (0.3 + 0.7 * (z / 2) ** 2) * (1 + 0.35 / np.maximum(cosine, 0.2))
-            z = z + sigma * speckle.window(frame_rng)
+            is_wild = frame_rng.random(IMAGE, dtype=np.float32) < _WILD * z**2
+            z = z + sigma * speckle.window(frame_rng) * np.where(is_wild, 12, 1)
         measured[n] = np.where(keeps, z, 0)
         slant[n] = cosine
     return measured, slant

@@ -12,7 +12,9 @@ from scenewidget.datasets.room import build_room
 from scenewidget.engine.mesh import Mesh, connected_components, face_adjacency
 from scenewidget.engine.segmentation import Segmentation
 
-SMALL = MappingProxyType({"size": (3.2, 2.8, 2.4), "voxel": 0.05, "n_objects": 5, "clutter": 2})
+SMALL = MappingProxyType(
+    {"size": (3.2, 2.8, 2.4), "voxel": 0.05, "n_objects": 5, "clutter": 2, "unseen": 0.7}
+)
 
 
 @pytest.fixture(scope="module")
@@ -159,12 +161,15 @@ def test_noise_is_about_what_was_asked_for():
         )
         height = mesh.face_centroids[faces_of(truth, "floor"), 2]
         spread.append(np.subtract(*np.percentile(height, [75, 25])) / 1.349)
-    assert 0.4 * 0.002 < spread[0] < 1.6 * 0.002
-    assert 0.4 * 0.008 < spread[1] < 1.6 * 0.008
+    # cameras are nearer than 2 m in this small room
+    assert 0.35 * 0.002 < spread[0] < 1.2 * 0.002
+    assert 0.35 * 0.008 < spread[1] < 1.2 * 0.008
 
 
 def test_less_is_seen_the_fewer_the_stops():
-    areas = [simulate_room(seed=2, **SMALL, unseen=unseen)[0].face_areas.sum() for unseen in (0.0, 0.5, 1.0)]
+    areas = [
+        simulate_room(seed=2, **{**SMALL, "unseen": unseen})[0].face_areas.sum() for unseen in (0.0, 0.5, 1.0)
+    ]
     assert areas[0] > 1.1 * areas[1] > 1.3 * areas[2]
 
 
@@ -195,15 +200,15 @@ def test_smoothing_calms_the_normals_and_warp_moves_the_points():
 def test_the_default_is_as_hard_as_a_fused_scan():
     # a fused scan of a bedroom (voxel 17 mm) has 5 degrees between neighbouring faces in the median and
     # 10 at the upper quartile, 4.7 % of its edges at borders, 10 000 components a million faces
-    mesh, _ = simulate_room(seed=0, voxel=0.025)
+    mesh, _ = simulate_room(seed=0, voxel=0.028)
     pairs = face_adjacency(mesh)
     cosine = (mesh.face_normals[pairs[:, 0]] * mesh.face_normals[pairs[:, 1]]).sum(axis=1)
     quartiles = np.degrees(np.arccos(np.clip(np.percentile(cosine, [50, 25]), -1, 1)))
-    assert 4 < quartiles[0] < 10
-    assert 9 < quartiles[1] < 22
-    assert border_share(mesh) > 0.015
+    assert 5 < quartiles[0] < 10
+    assert 10 < quartiles[1] < 22
+    assert border_share(mesh) > 0.025
     n_components, _ = connected_components(mesh.n_faces, pairs)
-    assert n_components > 200
+    assert n_components > 3000e-6 * mesh.n_faces
 
 
 # --- layouts ---------------------------------------------------------------------------------------

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from importlib import resources
 
@@ -26,6 +28,15 @@ def test_the_shipped_room_is_small_in_the_wheel_and_quick_to_open(shipped):
     start = time.process_time()
     load_room()
     assert time.process_time() - start < 0.5
+
+
+def test_opening_the_shipped_room_does_not_load_the_simulator():
+    code = (
+        "import sys, scenewidget as sw; sw.datasets.load_room(); "
+        "print('scenewidget.datasets.room' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
 
 
 def test_the_shipped_room_is_what_its_recipe_gives(shipped):
