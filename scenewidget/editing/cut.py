@@ -24,10 +24,10 @@ from scenewidget.engine.preprocess import filter_normals
 
 __all__ = ["cut_segment"]
 
-FUZZY = 0.6  # |d_a − d_b| / d(a, b) below which the minimum cut decides
-CONVEX = 0.2  # what a convex crease counts beside a concave one (Katz and Tal use 0.1 to 0.2)
+FUZZY = 0.8  # |d_a − d_b| / d(a, b) below which the minimum cut decides
+CONVEX = 0.5  # what a convex crease counts beside a concave one
 TURN = 3.0  # edges that a mean turn of the normal is worth in the distance
-STEEP = 1.0  # how fast creases get cheap
+STEEP = 3.0  # how fast creases get cheap
 MIDDLE = 5.0  # boundaries near a seed are dearer, or the shortest one on a plane would hug it
 SCALE = 1_000_000  # capacities are whole numbers; the dearest edge has this
 

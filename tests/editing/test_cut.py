@@ -14,7 +14,7 @@ from scenewidget.engine.mesh import Mesh
 def step(n=20):
     """A floor, a riser and a tread, n × n cells each: two creases, at x = 1, one concave, one convex."""
     square = shapes.grid_square(n).vertices
-    floor, riser, tread = square, square[:, [2, 1, 0]] + [1, 0, 0], square + [1, 0, 1]
+    floor, riser, tread = square, square[:, [2, 1, 0]] + np.array([1, 0, 0]), square + np.array([1, 0, 1])
     vertices, place = np.unique(
         np.round(np.concatenate([floor, riser, tread]), 9), axis=0, return_inverse=True
     )
@@ -51,7 +51,9 @@ def test_a_plane_is_cut_in_two_near_the_middle():
 
 def test_a_bottleneck_is_the_cheapest_boundary():
     wide = shapes.grid_square(10)
-    keep = (np.abs(wide.face_centroids[:, 0] - 0.55) > 0.05) | (np.abs(wide.face_centroids[:, 1] - 0.55) < 0.05)
+    keep = (np.abs(wide.face_centroids[:, 0] - 0.55) > 0.05) | (
+        np.abs(wide.face_centroids[:, 1] - 0.55) < 0.05
+    )
     mesh = Mesh(wide.vertices, wide.faces[keep])
     x = mesh.face_centroids[:, 0]
     is_b = cut_segment(mesh, np.arange(mesh.n_faces), int(x.argmin()), int(x.argmax()))
