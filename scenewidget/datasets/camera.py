@@ -13,7 +13,7 @@ import numba
 import numpy as np
 from scipy import ndimage, special
 
-from scenewidget.datasets.layout import Plan
+from scenewidget.datasets.plan import Plan
 from scenewidget.datasets.scene import Scene
 from scenewidget.datasets.shapes import ripples
 from scenewidget.engine.mesh import FloatArray, IntArray

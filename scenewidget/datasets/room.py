@@ -1,8 +1,9 @@
 """Simulated scans of furnished rooms with exact truth.
 
-A seed gives a room (`layout`), its signed distance field is sampled near surfaces (`grid`), looked at by a
-camera that walks about (`camera`), and what it saw is fused and turned into triangles (`fusion`). Real scans
-are unseen in places, ragged, noisy, askew and full of fragments; so are these, as much as the options say.
+A seed gives a room (`plan`, `layout`), its signed distance field is sampled near surfaces (`grid`), looked
+at by a camera that walks about (`camera`), and what it saw is fused and turned into triangles (`fusion`).
+Real scans are unseen in places, ragged, noisy, askew and full of fragments; so are these, as much as the
+options say.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from scipy import sparse
 
 from scenewidget.datasets import camera, fusion, grid
 from scenewidget.datasets.coloring import scan_colors
-from scenewidget.datasets.layout import STYLES, Plan, furnish, room_plan
+from scenewidget.datasets.layout import STYLES, furnish
+from scenewidget.datasets.plan import Plan, room_plan
 from scenewidget.datasets.scene import Scene
 from scenewidget.datasets.shapes import ripples
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
