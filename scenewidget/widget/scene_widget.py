@@ -14,11 +14,13 @@ from typing import Any
 import ipywidgets as widgets
 import traitlets
 
+from scenewidget.editing.edits import EditError
+from scenewidget.editing.session import Event, Session
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import LEVELS, Segmentation
-from scenewidget.widget.controls import ParamsControls
+from scenewidget.widget.controls import EditControls, ParamsControls
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.worker import Worker
 
@@ -41,10 +43,11 @@ STAGE_NAMES = {
 
 
 class SceneWidget(widgets.VBox):
-    """Segment a scan and look at it; it displays itself as the last value of a cell.
+    """Segment a scan, look at it and correct it; it displays itself as the last value of a cell.
 
     The scan shows at once, the segments as soon as they are computed. ``params`` and ``segmentation`` are
-    traits: set the first to compute again, observe the second to be told of results.
+    traits: set the first to compute again, observe the second to be told of results and edits. Corrections
+    survive: when other parameters give another segmentation, they are made on that again.
 
     Parameters
     ----------
@@ -58,12 +61,16 @@ class SceneWidget(widgets.VBox):
     ----------
     params : Params
     segmentation : Segmentation or None
-        The last good result; None before the first.
+        The last good result with the corrections made so far; None before the first.
+    session : Session or None
+        The corrections, which scripts can make too: ``w.session.merge(face, onto_face)``.
     busy : bool
     view : SceneView
         The picture: colours, level, camera.
     controls : ParamsControls
         The sliders.
+    edit_controls : EditControls
+        The buttons for editing.
     pipeline : Pipeline
 
     Raises
@@ -83,6 +90,9 @@ class SceneWidget(widgets.VBox):
         self.pipeline = Pipeline(mesh)
         self.view = SceneView(self.pipeline.mesh, height=height)
         self.controls = ParamsControls(params, self._set_params, self._compute)
+        self.edit_controls = EditControls(self._undo, self._redo)
+        traitlets.link((self.edit_controls.mode, "value"), (self.view, "mode"))
+        self.session: Session | None = None
         self._lock = threading.RLock()
         self._error: BaseException | None = None
         self._shown_params: Params | None = None
@@ -93,7 +103,7 @@ class SceneWidget(widgets.VBox):
             on_error=self._show_error,
             on_cancelled=self._show_cancelled,
         )
-        super().__init__([self.view, self.controls], params=params)
+        super().__init__([self.view, self.edit_controls, self.controls], params=params)
         self.view.on_msg(self._handle_message)
         self.observe(self._take_params, "params")
         self._compute()
@@ -171,8 +181,59 @@ class SceneWidget(widgets.VBox):
         self._worker.submit(task)
 
     def _handle_message(self, _: Any, message: Any, __: Any) -> None:
-        if isinstance(message, dict) and message.get("kind") == "cancel":
+        """What a person did in the picture, as `SceneView` reports it."""
+        kind = message.get("kind") if isinstance(message, dict) else None
+        if kind == "cancel":
             self.cancel()
+        elif kind == "undo":
+            self._undo()
+        elif kind == "redo":
+            self._redo()
+        elif kind in ("merge", "split") and self.session is not None:
+            if message.get("revision") != self.view.revision:
+                self._remark("The picture had just changed: nothing was edited")
+            elif kind == "merge":
+                self._edit(self.session.merge, message["face"], message["onto_face"], message["level"])
+            else:
+                self._edit(self.session.split, message["face"], message["level"])
+
+    def _undo(self) -> None:
+        if self.session is not None:
+            self._edit(self.session.undo)
+
+    def _redo(self) -> None:
+        if self.session is not None:
+            self._edit(self.session.redo)
+
+    def _edit(self, action: Callable[..., Any], *arguments: Any) -> None:
+        try:
+            action(*arguments)
+        except EditError as error:
+            self._remark(str(error))
+
+    def _remark(self, text: str) -> None:
+        """Say something in the status line, unless a computation speaks there."""
+        with self._lock:
+            if not self.view.busy:
+                self.view.status = text
+
+    def _show_edit(self, event: Event) -> None:
+        """Show what the session holds now; called after each edit, undo and redo, from any thread."""
+        with self._lock:
+            session = self.session
+            if session is None:
+                return
+            segmentation = session.segmentation
+            names = {i: name for i, name in enumerate(segmentation.names) if name}
+            if event.kind == "segmentation":
+                levels = {str(level): segmentation.level(level) for level in LEVELS}
+                self.view.set_partition(levels, segmentation.labels, names)
+            elif event.kind in ("edit", "undo", "redo"):
+                self.view.set_segments(segmentation.labels, names)
+                done = {"edit": "", "undo": "Undone: ", "redo": "Redone: "}[event.kind]
+                self._remark(f"{done}{event.step.title if event.step else ''}")
+            self.edit_controls.show(session)
+            self.segmentation = segmentation
 
     def _show_progress(self, stage: str, fraction: float) -> None:
         with self._lock, self.view.hold_sync():
@@ -181,15 +242,20 @@ class SceneWidget(widgets.VBox):
 
     def _show_result(self, result: tuple[Params, Segmentation]) -> None:
         params, segmentation = result
-        names = {i: name for i, name in enumerate(segmentation.names) if name}
         with self._lock:
-            self.view.set_partition(
-                {level: segmentation.level(level) for level in LEVELS}, segmentation.labels, names
-            )
+            lost = 0
+            if self.session is None:
+                self.session = Session(self.mesh, segmentation, params=params)
+                self.session.observe(self._show_edit)
+                self._show_edit(Event("segmentation", None, 0))
+            else:
+                lost = len(self.session.resegment(segmentation, params))
             self._shown_params = params
-            self.segmentation = segmentation
             seconds = time.perf_counter() - self._started
-            self._end(f"{segmentation.coverage:.1%} of the faces labeled, in {seconds:.1f} s")
+            summary = f"{segmentation.coverage:.1%} of the faces labeled, in {seconds:.1f} s"
+            if lost:
+                summary += f"; {lost} of the edits don't apply to it, see session.history"
+            self._end(summary)
 
     def _show_error(self, error: BaseException) -> None:
         with self._lock:

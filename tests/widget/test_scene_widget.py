@@ -32,6 +32,7 @@ def test_the_result_is_that_of_segment(widget, mesh):
     found = widget.wait(60)
     np.testing.assert_array_equal(found.labels, expected.labels)
     assert found is widget.segmentation
+    assert widget.session.segmentation is found
     assert widget.view.n_segments == expected.n_segments
     assert (widget.busy, widget.view.busy, widget.view.error) == (False, False, "")
 
@@ -141,6 +142,57 @@ def test_observers_are_told_of_results(widget):
     widget.observe(lambda change: seen.append(change["new"]), "segmentation")
     widget.params = SMALL.replace(n_segments=4)
     assert seen == [widget.wait(60)]
+
+
+def gesture(widget, **message):
+    """What the browser sends after a gesture."""
+    message.setdefault("revision", widget.view.revision)
+    widget.view._handle_custom_msg(message, [])
+
+
+def test_gestures_edit_and_can_be_undone(widget):
+    before = widget.wait(60)
+    first, second = (int(np.argmax(before.labels == segment)) for segment in (0, 1))
+    gesture(widget, kind="merge", face=second, onto_face=first, level="final")
+    assert widget.segmentation.n_segments == before.n_segments - 1 == widget.view.n_segments
+    assert widget.segmentation.labels[first] == widget.segmentation.labels[second]
+    assert not widget.edit_controls.undo.disabled
+    gesture(widget, kind="undo")
+    np.testing.assert_array_equal(widget.segmentation.labels, before.labels)
+    gesture(widget, kind="redo")
+    gesture(widget, kind="split", face=second, level="final")
+    assert widget.segmentation.n_segments == before.n_segments
+    assert len(widget.session.edits) == 2
+
+
+def test_a_gesture_on_an_older_picture_does_nothing(widget):
+    before = widget.wait(60)
+    first, second = (int(np.argmax(before.labels == segment)) for segment in (0, 1))
+    gesture(
+        widget, kind="merge", face=second, onto_face=first, level="final", revision=widget.view.revision - 1
+    )
+    assert widget.segmentation is before
+    assert "nothing was edited" in widget.view.status
+
+
+def test_an_edit_that_makes_no_sense_is_explained(widget):
+    before = widget.wait(60)
+    face = int(np.argmax(before.labels == 0))
+    gesture(widget, kind="merge", face=face, onto_face=face, level="final")
+    assert widget.segmentation.n_segments == before.n_segments
+    assert widget.view.status
+    gesture(widget, kind="undo")
+    assert "nothing to undo" in widget.view.status
+
+
+def test_edits_survive_other_parameters(widget):
+    before = widget.wait(60)
+    first, second = (int(np.argmax(before.labels == segment)) for segment in (0, 1))
+    widget.session.merge(second, first)
+    widget.params = SMALL.replace(seed=5)
+    after = widget.wait(60)
+    assert after.labels[first] == after.labels[second]
+    assert len(widget.session.edits) == 1
 
 
 @pytest.mark.parametrize(
