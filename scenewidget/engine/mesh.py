@@ -6,6 +6,7 @@ Goes in: a file, a trimesh, or arrays. Comes out: a checked, read-only `Mesh` an
 
 from __future__ import annotations
 
+import io
 import os
 import re
 from dataclasses import dataclass
@@ -105,8 +106,8 @@ class Mesh:
             vertices[bad] = 0.0
         if not np.abs(vertices).max() <= LARGEST:
             raise MeshError(
-                f"vertices reach {np.abs(vertices).max():.3g} metres from the origin, and at most {LARGEST:.0e} "
-                "can be worked with; scale the mesh to metres and move it near the origin"
+                f"vertices reach {np.abs(vertices).max():.3g} metres from the origin, and at most "
+                f"{LARGEST:.0e} can be worked with; scale the mesh to metres and move it near the origin"
             )
         for array in (vertices, faces):
             array.flags.writeable = False
@@ -332,9 +333,9 @@ def _load_file(path: Path) -> Mesh:
     if path.stat().st_size == 0:
         raise MeshError(f"{path.name!r} is empty")
     declared = _declared_faces(path)
-    keep_order = {"group_material": False} if path.suffix.lower() == ".obj" else {}
     try:
-        loaded = trimesh.load(path, process=False, maintain_order=True, **keep_order)
+        is_obj = path.suffix.lower() == ".obj"
+        loaded = _load_obj(path) if is_obj else trimesh.load(path, process=False)
         if isinstance(loaded, trimesh.Scene):
             loaded = loaded.to_mesh()
     except Exception as error:  # trimesh raises whatever its parser stumbles over
@@ -406,7 +407,7 @@ def _check_ply(path: Path) -> int:
 def _check_off(path: Path) -> int:
     with path.open("rb") as file:
         head = re.sub(rb"#[^\n]*", b"", file.read(1 << 16))
-    counts = re.match(rb"\s*[A-Za-z]*OFF\s+(\d+)\s+(\d+)\s", head)
+    counts = re.match(rb"\s*[A-Za-z]*OFF\s+(\d+)\s+(\d+)[^\n]*\n", head)
     if counts is None:
         return 0
     _check_lines(path, int(counts[1]) + int(counts[2]) + counts[0].count(b"\n"))
@@ -442,6 +443,45 @@ def _check_stl(path: Path) -> int:
     if b"endsolid" not in tail.lower():
         raise MeshError(f"{path.name!r} is truncated: it does not end with 'endsolid'")
     return 0
+
+
+def _load_obj(path: Path) -> Any:
+    """What trimesh makes of an OBJ file, with the faces in the order of the file."""
+    import trimesh
+
+    loaded = trimesh.load(
+        io.BytesIO(_absolute_indices(path.read_bytes())),
+        file_type="obj",
+        resolver=trimesh.resolvers.FilePathResolver(str(path)),
+        process=False,
+        maintain_order=True,
+        group_material=False,
+    )
+    if isinstance(loaded, trimesh.Scene):  # a part for each stretch of one material, the last first
+        loaded = trimesh.util.concatenate(list(loaded.geometry.values())[::-1])
+    return loaded
+
+
+def _absolute_indices(data: bytes) -> bytes:
+    """OBJ text whose negative indices, which count back from the line they stand in, count from 1."""
+    if not re.search(rb"^[ \t]*f[ \t][^\n]*-", data, re.MULTILINE):
+        return data
+    count = {b"v": 0, b"vt": 0, b"vn": 0}
+    lines = data.split(b"\n")
+    for i, line in enumerate(lines):
+        words = line.split()
+        if words and words[0] in count:
+            count[words[0]] += 1
+        elif words and words[0] == b"f":
+            corners = [
+                b"/".join(
+                    b"%d" % (total + 1 + int(index)) if index.startswith(b"-") else index
+                    for index, total in zip(corner.split(b"/"), count.values())
+                )
+                for corner in words[1:]
+            ]
+            lines[i] = b" ".join([b"f", *corners])
+    return b"\n".join(lines)
 
 
 def _check_obj(path: Path) -> int:

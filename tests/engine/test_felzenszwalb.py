@@ -1,0 +1,81 @@
+"""Felzenszwalb's rule against a plain transcription of the paper."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import graphs
+
+from scenewidget.engine.felzenszwalb import felzenszwalb
+
+
+def by_the_paper(n, pairs, weights, c, min_size, sizes):
+    """Sets of items; internal difference Int(C) = heaviest edge that joined it, MInt = Int + c / |C|."""
+    pieces = [{i} for i in range(n)]
+    internal = dict.fromkeys(range(n), 0.0)
+    home = list(range(n))
+
+    def limit(piece):
+        size = sum(sizes[i] for i in pieces[piece])
+        return internal[piece] + (c / size if size > 0 else np.inf)
+
+    def join(a, b, w):
+        pieces[a] |= pieces[b]
+        internal[a] = w
+        for i in pieces[b]:
+            home[i] = a
+
+    for e in np.argsort(weights, kind="stable"):
+        a, b = home[pairs[e][0]], home[pairs[e][1]]
+        if a != b and weights[e] <= min(limit(a), limit(b)):
+            join(a, b, weights[e])
+    for e in np.argsort(weights, kind="stable"):
+        a, b = home[pairs[e][0]], home[pairs[e][1]]
+        if a != b and min(sum(sizes[i] for i in pieces[p]) for p in (a, b)) < min_size:
+            join(a, b, weights[e])
+    return np.array(home)
+
+
+@given(graphs(), st.floats(0, 5), st.sampled_from([0, 2, 4]), st.booleans())
+def test_pieces_are_those_of_the_paper(graph, c, min_size, weighted):
+    n, pairs, weights = graph
+    sizes = np.random.default_rng(n).integers(1, 4, n) / 2 if weighted else np.ones(n)
+    labels = felzenszwalb(
+        n, pairs, weights, threshold=c, min_size=min_size, sizes=sizes if weighted else None
+    )
+    expected = by_the_paper(n, pairs, weights, c, min_size, sizes)
+    np.testing.assert_array_equal(labels[:, None] == labels, expected[:, None] == expected)
+    _, first = np.unique(labels, return_index=True)
+    assert (np.diff(first) > 0).all()
+
+
+@given(graphs())
+def test_an_order_given_beforehand_changes_nothing(graph):
+    n, pairs, weights = graph
+    order = np.argsort(weights, kind="stable")
+    given_ = felzenszwalb(n, pairs, weights, threshold=1.0, order=order)
+    np.testing.assert_array_equal(given_, felzenszwalb(n, pairs, weights, threshold=1.0))
+
+
+def test_a_weak_edge_holds_what_a_strong_one_cuts():
+    pairs = np.array([[0, 1], [1, 2], [2, 3]])
+    labels = felzenszwalb(4, pairs, np.array([0.1, 0.9, 0.1]), threshold=0.2)
+    assert labels.tolist() == [0, 0, 1, 1]
+    assert felzenszwalb(4, pairs, np.array([0.1, 0.9, 0.1]), threshold=5.0).tolist() == [0] * 4
+
+
+def test_items_without_size_join_their_first_neighbour():
+    labels = felzenszwalb(
+        3, np.array([[0, 1], [1, 2]]), np.array([5.0, 9.0]), threshold=0.0, sizes=np.zeros(3)
+    )
+    assert labels.tolist() == [0, 0, 0]
+
+
+def test_no_edges_no_pieces():
+    assert felzenszwalb(3, np.empty((0, 2), int), np.empty(0), threshold=1.0).tolist() == [0, 1, 2]
+
+
+@pytest.mark.parametrize("threshold", [-0.1, np.nan])
+def test_a_bad_threshold_is_refused(threshold):
+    with pytest.raises(ValueError, match="threshold must be at least 0"):
+        felzenszwalb(2, np.array([[0, 1]]), np.ones(1), threshold=threshold)
