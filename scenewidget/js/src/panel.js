@@ -164,7 +164,8 @@ export function createPanel(host, actions) {
   let summary = "";
   let hover = /** @type {{ text: string, color: string | null } | null} */ (null);
   const showStatus = () => {
-    statusText.textContent = hover?.text ?? summary;
+    const text = hover?.text ?? summary;
+    if (statusText.textContent !== text) statusText.textContent = text; // even the same text would be drawn anew
     swatch.hidden = !hover?.color;
     if (hover?.color) swatch.style.background = hover.color;
   };

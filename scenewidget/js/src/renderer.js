@@ -70,6 +70,7 @@ import {
  */
 
 const TEXTURE_WIDTH = 2048;
+const FENCE_MS = 8;
 
 export class SceneRenderer {
   /**
@@ -279,14 +280,35 @@ export class SceneRenderer {
   }
 
   /**
-   * Face numbers of the last `drawFaces`, without making the page wait for them.
-   * @returns {Promise<Numbers>}
+   * Face numbers of the last `drawFaces`, without making the page wait for them: asked too early, WebGL lets
+   * everything wait until all is drawn, so ask for the state of a fence only.
+   * @returns {Promise<Numbers | null>}  null if the context was lost meanwhile
    */
   async readNumbers() {
-    if (!this.numbers) throw new Error("nothing has been drawn yet");
-    const { width, height } = this.numbers;
+    const { gl, numbers } = this;
+    if (!numbers) return null;
+    const { width, height } = numbers;
     const bytes = new Uint8Array(4 * width * height);
-    await this.three.readRenderTargetPixelsAsync(this.numbers, 0, 0, width, height, bytes);
+    const buffer = gl.createBuffer();
+    this.three.setRenderTarget(numbers);
+    gl.readBuffer(gl.COLOR_ATTACHMENT0);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
+    gl.bufferData(gl.PIXEL_PACK_BUFFER, bytes.byteLength, gl.STREAM_READ);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, 0);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+    this.three.setRenderTarget(null);
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    if (!fence) return null;
+    while (!gl.isContextLost() && gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) {
+      await new Promise((resolve) => setTimeout(resolve, FENCE_MS));
+    }
+    if (gl.isContextLost()) return null;
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
+    gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, bytes);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+    gl.deleteBuffer(buffer);
+    gl.deleteSync(fence);
     return { width, height, bytes };
   }
 

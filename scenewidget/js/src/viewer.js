@@ -257,13 +257,17 @@ export class Viewer {
 
   #moved() {
     this.isMoving = true;
+    this.#awaitRest();
+    this.#draw();
+  }
+
+  #awaitRest() {
     clearTimeout(this.restTimer);
     this.restTimer = window.setTimeout(() => {
       this.isMoving = false;
       this.anchor = null;
       this.#draw();
     }, REST_MS);
-    this.#draw();
   }
 
   /** @param {Camera} to */
@@ -351,6 +355,7 @@ export class Viewer {
     const look = this.#currentLook();
     if (needs >= PAINT) this.renderer.paint(look);
     this.renderer.drawPicture(look);
+    if (needs === FACES && this.isMoving) this.#awaitRest(); // a slow frame is no rest
     if (needs === FACES && !this.isMoving) this.#readNumbers(began);
     if (!this.hasDrawn) {
       this.hasDrawn = true;
@@ -362,7 +367,7 @@ export class Viewer {
   async #readNumbers(began) {
     const [drawing, camera, aspect] = [this.drawing, this.camera, this.size.width / this.size.height];
     const isFirst = this.cost === null;
-    const numbers = await this.renderer.readNumbers().catch(() => null); // the context was lost meanwhile
+    const numbers = await this.renderer.readNumbers();
     if (!numbers || this.isDisposed || this.isLost || drawing !== this.drawing) return;
     this.snapshot = { numbers, camera, aspect };
     const cost = performance.now() - began;
