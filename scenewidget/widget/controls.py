@@ -64,7 +64,7 @@ class ParamsControls(widgets.VBox):
             continuous_update=False, style=STYLE, layout=SLIDER,
         )  # fmt: skip
         self.rerun = widgets.Button(
-            description="Segment again", icon="refresh", layout={"display": "none", "width": "auto"},
+            description="Segment again", layout={"display": "none", "width": "auto"},
             tooltip="Compute with the settings shown, after a cancel or an error",
         )  # fmt: skip
         for control in (self.n_segments, self.k_range, self.tied, self.cost_exponent):
@@ -145,8 +145,8 @@ class EditControls(widgets.HBox):
             style={"button_width": "5rem"},
             layout={"width": "auto"},
         )
-        self.undo = widgets.Button(description="Undo", icon="undo", disabled=True, layout={"width": "7rem"})
-        self.redo = widgets.Button(description="Redo", icon="repeat", disabled=True, layout={"width": "7rem"})
+        self.undo = widgets.Button(description="Undo", disabled=True, layout={"width": "7rem"})
+        self.redo = widgets.Button(description="Redo", disabled=True, layout={"width": "7rem"})
         self.undo.on_click(lambda _: on_undo())
         self.redo.on_click(lambda _: on_redo())
         layout = {"margin": "6px 0 0", "align_items": "center"}

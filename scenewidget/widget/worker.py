@@ -64,7 +64,8 @@ class Worker:
     def cancel(self) -> None:
         """Stop what runs and drop what waits; `on_cancelled` tells when that is done."""
         with self._condition:
-            self._pending = None
+            if self._pending is not None:
+                self._pending = (self._pending[0], _stop_at_once)
             self._cancel.set()
 
     def wait(self, timeout: float | None = None) -> bool:
@@ -104,3 +105,7 @@ class Worker:
         except BaseException as error:  # handed to whoever waits; a thread must not die silently
             if not was_replaced():
                 self._on_error(error)
+
+
+def _stop_at_once(*_: object) -> None:
+    raise Cancelled("cancelled before it began")

@@ -94,8 +94,7 @@ def test_new_params_replace_a_computation_under_way(widget):
 
 def test_cancel_keeps_the_last_good_result_and_can_be_made_good(widget):
     good = widget.wait(60)
-    widget.params = SMALL.replace(seed=1, n_runs=2000)
-    time.sleep(0.05)
+    widget.params = SMALL.replace(seed=1, n_runs=10_000)
     start = time.monotonic()
     widget.view._handle_custom_msg({"kind": "cancel"}, [])
     assert widget.wait(10) is good
@@ -207,6 +206,21 @@ def test_edits_survive_other_parameters(widget):
 def test_bad_input_is_refused_at_once(mesh, params, error, message):
     with pytest.raises(error, match=message):
         sw.SceneWidget(mesh, params)
+
+
+def test_a_task_that_is_cancelled_before_it_begins_is_reported_too():
+    told = []
+    worker = Worker(
+        on_progress=lambda *_: None,
+        on_done=told.append,
+        on_error=told.append,
+        on_cancelled=lambda: told.append("cancelled"),
+    )
+    worker.submit(lambda _, cancel: cancel.wait(10))
+    worker.submit(lambda *_: "never")
+    worker.cancel()
+    assert worker.wait(10)
+    assert told == ["cancelled"]
 
 
 def test_worker_reports_nothing_of_a_task_that_was_replaced():
