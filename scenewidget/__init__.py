@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from scenewidget import baselines, datasets, engine, metrics
+    from scenewidget.editing.formats import export, import_labels
     from scenewidget.editing.session import Session
     from scenewidget.engine.mesh import Mesh, MeshError, load_mesh
     from scenewidget.engine.monitor import Cancelled
@@ -32,6 +33,8 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "load_mesh": "engine.mesh",
     "Segmentation": "engine.segmentation",
     "Session": "editing.session",
+    "export": "editing.formats",
+    "import_labels": "editing.formats",
     "Cancelled": "engine.monitor",
     "evaluate": "evaluation",
     "Params": "engine.params",
@@ -57,6 +60,8 @@ __all__ = [
     "datasets",
     "engine",
     "evaluate",
+    "export",
+    "import_labels",
     "load_mesh",
     "metrics",
     "segment",

@@ -1,0 +1,104 @@
+"""What the formats share: labels on their way in, colours on their way out, and votes between the two."""
+
+from __future__ import annotations
+
+import colorsys
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from scenewidget.editing.edits import MAX_NAME
+from scenewidget.editing.files import replacing
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+
+__all__ = [
+    "FormatError",
+    "Labels",
+    "clean_name",
+    "faces_from_vertices",
+    "same_place",
+    "segment_colors",
+    "vertices_from_faces",
+    "write_bytes",
+]
+
+
+class FormatError(ValueError):
+    """A label file that is damaged, of another mesh, or without labels."""
+
+
+@dataclass(frozen=True, eq=False)
+class Labels:
+    """What a label file says."""
+
+    values: IntArray  # (n_faces,) or (n_vertices,) ids, negative = unlabeled
+    per: Literal["face", "vertex"]
+    names: Mapping[int, str] = field(default_factory=dict)  # of the ids
+    confidence: FloatArray | None = None
+    levels: Mapping[str, IntArray] = field(default_factory=dict)
+    report: Mapping[str, Any] = field(default_factory=dict)
+
+
+def write_bytes(path: Path, *chunks: bytes | memoryview) -> None:
+    """Write a file, whole or not at all."""
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        for chunk in chunks:
+            file.write(chunk)
+
+
+def clean_name(value: Any) -> str:
+    """A segment's name out of a file, without what no name may hold."""
+    text = "".join(c for c in str(value) if unicodedata.category(c) not in ("Cc", "Cs"))
+    return unicodedata.normalize("NFC", text).strip()[:MAX_NAME].strip()
+
+
+def segment_colors(n_segments: int) -> npt.NDArray[np.uint8]:
+    """(n_segments + 1, 3) colours that differ from their predecessors; the last row, grey, is unlabeled."""
+    golden = 0.618033988749895  # steps around the circle of hues that never come close to each other
+    rows = [
+        colorsys.hsv_to_rgb(i * golden % 1.0, 0.55 + 0.25 * (i // 3 % 2), 0.95 - 0.2 * (i // 2 % 2))
+        for i in range(n_segments)
+    ]
+    return np.round(255 * np.array([*rows, (0.5, 0.5, 0.5)])).astype(np.uint8)
+
+
+def faces_from_vertices(values: IntArray, mesh: Mesh) -> tuple[IntArray, int]:
+    """(n_faces,) label of at least two of the corners, else the middle one, and how often that was."""
+    corners = np.sort(values[mesh.faces], axis=1)
+    ambiguous = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2])
+    return corners[:, 1], int(ambiguous.sum())
+
+
+def vertices_from_faces(labels: IntArray, mesh: Mesh) -> IntArray:
+    """(n_vertices,) label of most of the area around each vertex; ties go to the smaller label, -1 last.
+
+    Vertices without a face are unlabeled.
+    """
+    n = int(labels.max(initial=-1)) + 2
+    shifted = np.where(labels < 0, n - 1, labels).astype(np.int64)
+    code = (mesh.faces.astype(np.int64) * n + shifted[:, None]).ravel()
+    order = np.argsort(code, kind="stable")
+    code = code[order]
+    starts = np.flatnonzero(np.concatenate([[True], code[1:] != code[:-1]]))
+    # degenerate faces weigh next to nothing, but something: a vertex of them only has a label too
+    weights = np.repeat(np.maximum(mesh.face_areas, 1e-30), 3)[order]
+    area = np.add.reduceat(weights, starts)
+    vertex, label = code[starts] // n, code[starts] % n
+    best = np.lexsort((-label, area, vertex))  # the largest comes last and stays
+    out = np.full(mesh.n_vertices, -1, dtype=np.int64)
+    out[vertex[best]] = label[best]
+    return np.where(out == n - 1, -1, out)
+
+
+def same_place(vertices: FloatArray, mesh: Mesh) -> bool:
+    """Whether vertices lie where those of the mesh do, but for the rounding of 32-bit floats."""
+    if vertices.shape != mesh.vertices.shape:
+        return False
+    with np.errstate(over="ignore", invalid="ignore"):
+        reach = 1e-5 * max(float(np.abs(mesh.vertices).max()), 1e-30)
+        return bool((np.abs(vertices - mesh.vertices) <= reach).all())

@@ -1,0 +1,110 @@
+"""NPZ: labels, names, confidence and levels as NumPy arrays, and the fingerprint of the mesh."""
+
+from __future__ import annotations
+
+import io
+import math
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from scenewidget.editing.edits import MAX_NAME
+from scenewidget.editing.files import replacing
+from scenewidget.editing.fingerprint import fingerprint
+from scenewidget.editing.formats.common import FormatError, Labels, clean_name
+from scenewidget.engine.mesh import IntArray, Mesh
+from scenewidget.engine.segmentation import LEVELS, Segmentation
+
+__all__ = ["read", "read_array", "write"]
+
+
+def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
+    """Write ``labels``, ``names``, ``confidence``, ``level_…`` and ``mesh``; see `export`."""
+    arrays: dict[str, Any] = {
+        "labels": segmentation.labels,
+        "names": np.array(segmentation.names, dtype=np.str_) if segmentation.names else np.empty(0, "<U1"),
+        "confidence": segmentation.confidence,
+        "mesh": np.array(fingerprint(mesh).digest),
+    }
+    arrays |= {f"level_{name}": parts for name, parts in segmentation.levels.items()}
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez_compressed(file, **arrays)
+    return [path]
+
+
+def read(path: Path, mesh: Mesh) -> Labels:
+    """Labels of an NPZ with an array ``labels``, a number a face or vertex; the rest is optional."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            members = {name.removesuffix(".npy"): name for name in archive.namelist()}
+            if "labels" not in members:
+                raise FormatError(f"{path.name!r} has no array 'labels', only {', '.join(members)[:200]}")
+            most = max(mesh.n_faces, mesh.n_vertices)
+            labels = _member(archive, members["labels"], "iu", most)
+            if labels.shape not in ((mesh.n_faces,), (mesh.n_vertices,)):
+                raise FormatError(
+                    f"{path.name!r} has labels of shape {labels.shape}, but the mesh has {mesh.n_faces} "
+                    f"faces and {mesh.n_vertices} vertices"
+                )
+            if (
+                "mesh" in members
+                and str(_member(archive, members["mesh"], "U", 1)) != fingerprint(mesh).digest
+            ):
+                raise FormatError(f"{path.name!r} belongs to another mesh than one of {fingerprint(mesh)}")
+            per_face = labels.shape == (mesh.n_faces,)
+            names = _member(archive, members["names"], "U", most).tolist() if "names" in members else []
+            confidence = None
+            if per_face and "confidence" in members:
+                confidence = _per_face(archive, members["confidence"], "f", mesh)
+                if not ((confidence >= 0) & (confidence <= 1)).all():
+                    raise FormatError(f"{path.name!r} has a confidence outside 0..1")
+            levels: dict[str, IntArray] = {
+                str(level): _per_face(archive, members[f"level_{level}"], "iu", mesh).astype(np.int32)
+                for level in LEVELS
+                if per_face and f"level_{level}" in members
+            }
+    except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError) as error:
+        raise FormatError(f"{path.name!r} is damaged or no NPZ ({error})") from error
+    return Labels(
+        labels.astype(np.int64),
+        "face" if per_face else "vertex",
+        {i: clean_name(name) for i, name in enumerate(names)},
+        confidence,
+        levels,
+    )
+
+
+def _per_face(archive: zipfile.ZipFile, name: str, kinds: str, mesh: Mesh) -> npt.NDArray[Any]:
+    array = _member(archive, name, kinds, mesh.n_faces)
+    if array.shape != (mesh.n_faces,):
+        raise FormatError(f"has an array {name!r:.60} of shape {array.shape} for {mesh.n_faces} faces")
+    return array
+
+
+def _member(archive: zipfile.ZipFile, name: str, kinds: str, most: int) -> npt.NDArray[Any]:
+    limit = most * (4 * MAX_NAME if kinds == "U" else 8) + 10_000
+    if archive.getinfo(name).file_size > limit:
+        raise FormatError(f"has an array {name!r:.60} larger than any of this mesh can be")
+    with archive.open(name) as file:
+        return read_array(file.read(limit), kinds)
+
+
+def read_array(data: bytes, kinds: str) -> npt.NDArray[Any]:
+    """An array in NumPy's format out of bytes, of a kind of dtype (as in ``dtype.kind``); never objects."""
+    file = io.BytesIO(data)
+    version = np.lib.format.read_magic(file)
+    if version == (1, 0):
+        shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(file)
+    elif version == (2, 0):
+        shape, is_fortran, dtype = np.lib.format.read_array_header_2_0(file)
+    else:
+        raise FormatError(f"has an array of an unknown version {version}")
+    if dtype.kind not in kinds or dtype.hasobject:
+        raise FormatError(f"has an array of dtype {dtype!s:.60}, where one of kind {kinds!r} is expected")
+    if any(size < 0 for size in shape) or math.prod(shape) * dtype.itemsize != len(data) - file.tell():
+        raise FormatError(f"has an array whose shape {shape!r:.60} does not fit its {len(data)} bytes")
+    return np.frombuffer(data, dtype, offset=file.tell()).reshape(shape, order="F" if is_fortran else "C")

@@ -1,0 +1,143 @@
+"""ScanNet: ``<scene>.segs.json`` cuts the vertices into small segments, ``<scene>.aggregation.json`` says
+which of them make up an object, and its label.
+
+As the annotation tools and the segmentator of https://github.com/ScanNet/ScanNet write them; Dai et al.
+(2017), *ScanNet*, CVPR. The small segments that we write are the pieces of base segments (thesis 3.4) that
+lie in one object. Objects without a name are called "unannotated".
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from scenewidget.editing.formats.common import (
+    FormatError,
+    Labels,
+    clean_name,
+    vertices_from_faces,
+    write_bytes,
+)
+from scenewidget.engine.mesh import IntArray, Mesh
+from scenewidget.engine.segmentation import Segmentation
+
+__all__ = ["read", "write"]
+
+AGGREGATION, SEGS = ".aggregation.json", ".segs.json"
+UNNAMED = "unannotated"
+BYTES_A_VERTEX = 40  # of JSON that a vertex can take
+
+
+def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
+    """Write the two files; see `export`. The one with the vertices first."""
+    scene = _scene(path)
+    aggregation, segs = path.with_name(scene + AGGREGATION), path.with_name(scene + SEGS)
+    objects = vertices_from_faces(segmentation.labels, mesh)
+    base = segmentation.levels.get("base")
+    pieces = objects if base is None else vertices_from_faces(base, mesh)
+    code = (pieces + 1) * (int(objects.max(initial=-1)) + 2) + objects + 1
+    _, first, segment = np.unique(code, return_index=True, return_inverse=True)
+    segments_of: dict[int, list[int]] = {}
+    for number, vertex in enumerate(first.tolist()):
+        segments_of.setdefault(int(objects[vertex]), []).append(number)
+    groups = [
+        {
+            "id": k,
+            "objectId": k,
+            "segments": segments_of[label],
+            "label": segmentation.names[label] or UNNAMED,
+        }
+        for k, label in enumerate(sorted(label for label in segments_of if label >= 0))
+    ]
+    indices = ",".join(map(str, segment.tolist()))
+    # kThresh and segMinVerts belong to ScanNet's own segmentator; readers want the key
+    head = f'{{"params":{{"kThresh":0,"segMinVerts":0}},"sceneId":{json.dumps(scene)},"segIndices":['
+    write_bytes(segs, head.encode(), indices.encode(), b"]}")
+    content = {"sceneId": scene, "appId": "scenewidget", "segGroups": groups, "segmentsFile": segs.name}
+    write_bytes(aggregation, json.dumps(content, indent=1).encode())
+    return [aggregation, segs]
+
+
+def read(path: Path, mesh: Mesh) -> Labels:
+    """Objects of an aggregation, or without one the small segments of a ``.segs.json``."""
+    if path.name.lower().endswith(SEGS):
+        return Labels(_read_segments(path, mesh), "vertex")
+    data = _read_json(path, 1_000 + 100 * BYTES_A_VERTEX * mesh.n_vertices)
+    groups = data.get("segGroups") if isinstance(data, dict) else None
+    if not isinstance(groups, list):
+        raise FormatError(f"{path.name!r} has no list 'segGroups': it is no aggregation of ScanNet")
+    segment = _read_segments(_segments_file(path, data.get("segmentsFile")), mesh)
+    object_of: dict[int, int] = {}
+    names: dict[int, str] = {}
+    twice = 0
+    for k, group in enumerate(groups):
+        if not isinstance(group, dict) or not isinstance(group.get("segments"), list):
+            raise FormatError(f"{path.name!r} has a group without a list 'segments'")
+        label = clean_name(group.get("label", ""))
+        names[k] = "" if label == UNNAMED else label
+        for number in group["segments"]:
+            if type(number) is not int:
+                raise FormatError(f"{path.name!r} lists a segment {number!r:.60}, which is no whole number")
+            twice += number in object_of
+            object_of[number] = k  # as ScanNet's own scripts: the last group that names a segment has it
+    ids, index = np.unique(segment, return_inverse=True)
+    known = set(ids.tolist())
+    missing = sum(number not in known for number in object_of)
+    if object_of and missing == len(object_of):
+        raise FormatError(f"none of the segments that {path.name!r} groups is in the file of segments")
+    labels = np.array([object_of.get(number, -1) for number in ids.tolist()], dtype=np.int64)[index]
+    return Labels(
+        labels,
+        "vertex",
+        names,
+        report={"segments that two objects claim": twice, "segments without vertices": missing},
+    )
+
+
+def _scene(path: Path) -> str:
+    for suffix in (AGGREGATION, SEGS, ".json"):
+        if path.name.lower().endswith(suffix):
+            return path.name[: -len(suffix)]
+    return path.name
+
+
+def _segments_file(path: Path, named: Any) -> Path:
+    """The file of segments beside an aggregation. Only its name counts: no path is followed."""
+    scene = _scene(path)
+    candidates = []
+    if isinstance(named, str):
+        name = named.replace("\\", "/").rsplit("/", 1)[-1]
+        candidates = [name, name.removeprefix("scannet.")]  # as the released files say
+    candidates += [scene + SEGS, scene + "_vh_clean_2.0.010000" + SEGS]
+    for name in candidates:
+        if name.endswith(SEGS) and "\0" not in name and path.with_name(name).is_file():
+            return path.with_name(name)
+    raise FormatError(
+        f"{path.name!r} needs its file of segments beside it, called {candidates[0]!r:.100} "
+        f"or {scene + SEGS!r:.100}"
+    )
+
+
+def _read_segments(path: Path, mesh: Mesh) -> IntArray:
+    data = _read_json(path, 10_000 + BYTES_A_VERTEX * mesh.n_vertices)
+    indices = data.get("segIndices") if isinstance(data, dict) else None
+    if not isinstance(indices, list) or not all(type(number) is int for number in indices):
+        raise FormatError(f"{path.name!r} has no list 'segIndices' of whole numbers")
+    if len(indices) != mesh.n_vertices:
+        raise FormatError(
+            f"{path.name!r} has {len(indices)} vertices, but the mesh has {mesh.n_vertices}: "
+            "it belongs to another mesh"
+        )
+    return np.array(indices, dtype=np.int64)
+
+
+def _read_json(path: Path, most: int) -> Any:
+    if path.stat().st_size > most:
+        raise FormatError(f"{path.name!r} is larger than one of this mesh can be ({most} bytes)")
+    try:
+        return json.loads(path.read_bytes())
+    except (ValueError, RecursionError) as error:
+        raise FormatError(f"{path.name!r} is damaged or no JSON ({error})") from error
