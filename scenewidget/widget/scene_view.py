@@ -172,7 +172,7 @@ class SceneView(anywidget.AnyWidget):
         with self.hold_sync():
             self.set_trait("levels", list(checked))
             self._put("face_atom", atoms.face_atom)
-            self._put("atom_part", _table(parts.reshape(len(checked), -1)))
+            self._put("atom_part", _table(parts.reshape(len(checked), len(atoms.first_face))))
             if self.level not in checked:
                 self.level = "final" if "final" in checked else next(reversed(checked), "")
             self._show_segments(segments, segments[atoms.first_face], names)
@@ -313,7 +313,7 @@ def _geometry(mesh: Mesh) -> dict[str, npt.NDArray[Any]]:
 
 
 def _table(labels: IntArray) -> npt.NDArray[np.uint32]:
-    return np.where(labels < 0, UNLABELLED, labels).astype(np.uint32)
+    return labels.astype(np.uint32)  # -1 becomes UNLABELLED
 
 
 def _header(array: npt.NDArray[Any]) -> dict[str, Any]:

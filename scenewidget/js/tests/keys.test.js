@@ -1,0 +1,32 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { command } from "../src/keys.js";
+
+const plain = { shiftKey: false, ctrlKey: false, metaKey: false, altKey: false };
+
+test("arrows orbit, with Shift they pan", () => {
+  assert.equal(command({ ...plain, key: "ArrowLeft" }, "navigate")?.kind, "orbit");
+  assert.equal(command({ ...plain, key: "ArrowLeft", shiftKey: true }, "navigate")?.kind, "pan");
+});
+
+test("letters work in either case, digits choose levels", () => {
+  assert.deepEqual(command({ ...plain, key: "F", shiftKey: true }, "navigate"), {
+    kind: "look",
+    from: "here",
+  });
+  assert.deepEqual(command({ ...plain, key: "2" }, "navigate"), { kind: "level", index: 1 });
+  assert.equal(command({ ...plain, key: "Escape" }, "navigate")?.kind, "escape");
+});
+
+test("keys of the host are left alone", () => {
+  for (const key of ["Enter", "Tab", "a", "F5", " "]) assert.equal(command({ ...plain, key }, "edit"), null);
+  assert.equal(command({ ...plain, key: "f", ctrlKey: true }, "edit"), null);
+  assert.equal(command({ ...plain, key: "f", altKey: true }, "edit"), null);
+  assert.equal(command({ ...plain, key: "z", ctrlKey: true }, "navigate"), null);
+});
+
+test("undo and redo belong to the editor", () => {
+  assert.equal(command({ ...plain, key: "z", ctrlKey: true }, "edit")?.kind, "undo");
+  assert.equal(command({ ...plain, key: "Z", metaKey: true, shiftKey: true }, "edit")?.kind, "redo");
+  assert.equal(command({ ...plain, key: "y", ctrlKey: true }, "edit")?.kind, "redo");
+});

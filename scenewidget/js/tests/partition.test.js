@@ -1,0 +1,42 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { packColor } from "../src/palette.js";
+import { atomTable, describe, makePartition, NONE } from "../src/partition.js";
+
+const arrays = {
+  faceAtom: new Uint32Array([0, 0, 1, 2, 2, 2, 3]),
+  atomSegment: new Uint32Array([0, 0, 1, NONE]),
+  atomPart: new Uint32Array([5, 6, 7, NONE, 0, 0, 0, 0]), // two levels
+  segmentColors: new Uint8Array([10, 20, 30, 40, 50, 60]),
+};
+
+test("a face has the part of the chosen level, its segment and their sizes", () => {
+  const fine = makePartition(arrays, 0);
+  assert.deepEqual(describe(fine, 2), { part: 6, segment: 0, partFaces: 1, segmentFaces: 3 });
+  assert.deepEqual(describe(makePartition(arrays, 1), 4), {
+    part: 0,
+    segment: 1,
+    partFaces: 7,
+    segmentFaces: 3,
+  });
+});
+
+test("without levels the segments are the parts", () => {
+  const partition = makePartition({ ...arrays, atomPart: null }, -1);
+  assert.deepEqual(describe(partition, 3), { part: 1, segment: 1, partFaces: 3, segmentFaces: 3 });
+});
+
+test("segments have the colours that Python chose, unlabelled atoms none", () => {
+  const table = atomTable(makePartition(arrays, 0), "segments");
+  assert.deepEqual([...table.subarray(0, 4)], [0, 5, packColor(10, 20, 30), 1]);
+  assert.deepEqual([...table.subarray(12, 16)], [NONE, NONE, 0, 0]);
+});
+
+test("parts have colours of their own", () => {
+  const table = atomTable(makePartition(arrays, 0), "parts");
+  assert.notEqual(table[2], table[6]);
+  assert.equal(
+    atomTable(makePartition(arrays, 1), "parts")[14],
+    atomTable(makePartition(arrays, 1), "parts")[2],
+  );
+});

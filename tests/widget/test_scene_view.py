@@ -1,0 +1,291 @@
+"""What the view sends to the browser, without a browser."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from shapes import box, grid_square
+
+from scenewidget.engine.mesh import Mesh
+from scenewidget.widget import scene_view
+from scenewidget.widget.atoms import common_refinement
+from scenewidget.widget.palette import (
+    _differences,
+    adjacent_segments,
+    choose_colors,
+    inherited_colors,
+    palette,
+)
+from scenewidget.widget.scene_view import UNLABELLED, SceneView
+
+
+def array(view: SceneView, name: str) -> np.ndarray:
+    header = view._headers[name]
+    return np.frombuffer(getattr(view, f"_{name}"), header["dtype"]).reshape(header["shape"])
+
+
+@pytest.fixture
+def view() -> SceneView:
+    return SceneView(grid_square(4))
+
+
+@pytest.fixture
+def quarters(view) -> np.ndarray:
+    center = view.mesh.face_centroids
+    return (2 * (center[:, 0] > 0.5) + (center[:, 1] > 0.5)).astype(np.int32)
+
+
+# --- geometry ---
+
+
+def test_vertices_are_precise_far_from_the_origin():
+    near, far = box(3), box(3)
+    far = Mesh(near.vertices + np.array([4.5e5, 5.2e6, 100.0]), near.faces)
+    np.testing.assert_allclose(
+        array(SceneView(far), "vertices"), array(SceneView(near), "vertices"), atol=1e-6
+    )
+    np.testing.assert_array_equal(array(SceneView(far), "faces"), near.faces)
+
+
+def test_unused_vertices_do_not_move_the_middle():
+    mesh = grid_square(2)
+    stray = Mesh(np.vstack([mesh.vertices, [1e6, 0, 0]]), mesh.faces)
+    sent = array(SceneView(stray), "vertices")
+    np.testing.assert_allclose(sent[:-1], array(SceneView(mesh), "vertices"))
+    np.testing.assert_array_equal(sent[-1], 0)
+
+
+def test_a_coloured_scan_starts_in_its_colours():
+    mesh = grid_square(2)
+    colored = Mesh(mesh.vertices, mesh.faces, np.full((mesh.n_vertices, 3), 7, np.uint8))
+    view = SceneView(colored)
+    assert (view.color_by, SceneView(mesh).color_by) == ("scan", "shaded")
+    np.testing.assert_array_equal(array(view, "vertex_colors"), colored.vertex_colors)
+    assert SceneView(colored, color_by="shaded").color_by == "shaded"
+
+
+def test_repr_is_short_and_deterministic(view, quarters):
+    assert repr(view) == "SceneView(32 faces)"
+    view.set_partition({}, quarters)
+    assert repr(view) == "SceneView(32 faces, 4 segments)"
+
+
+# --- atoms ---
+
+labellings = hnp.arrays(np.int32, (3, 12), elements=st.integers(-1, 4))
+
+
+@given(labellings)
+def test_atoms_are_the_coarsest_on_which_all_are_constant(columns):
+    atoms = common_refinement(columns, 12)
+    distinct = {tuple(row) for row in columns.T}
+    assert len(atoms.first_face) == len(distinct) == atoms.face_atom.max() + 1
+    for labels in columns:
+        table = atoms.table(labels)
+        np.testing.assert_array_equal(table[atoms.face_atom], labels)
+
+
+@given(labellings)
+def test_a_labelling_that_cuts_an_atom_has_no_table(columns):
+    atoms = common_refinement(columns[:1], 12)
+    is_finer = len({tuple(row) for row in columns[:2].T}) > len(set(columns[0].tolist()))
+    assert (atoms.table(columns[1]) is None) == is_finer
+
+
+def test_labels_with_huge_numbers_are_no_problem():
+    columns = [np.array([0, 2**31 - 2, 5]), np.array([2**31 - 2, 7, 7])]
+    assert common_refinement(columns, 3).face_atom.tolist() == [0, 2, 1]
+
+
+# --- partition ---
+
+
+def test_tables_give_every_face_its_part_and_its_segment(view, quarters):
+    fine = np.arange(32, dtype=np.int32) // 2
+    segments = np.where(quarters == 3, -1, quarters)
+    view.set_partition({"fine": fine, "final": quarters}, segments)
+    atom = array(view, "face_atom")
+    np.testing.assert_array_equal(array(view, "atom_part")[:, atom], [fine, quarters])
+    np.testing.assert_array_equal(array(view, "atom_segment")[atom], segments.astype(np.uint32))
+    assert (view.levels, view.level, view.n_segments) == (["fine", "final"], "final", 3)
+
+
+def test_an_edit_sends_one_table_and_the_edited_colour(view, quarters):
+    view.set_partition({"final": quarters}, quarters)
+    atoms, colors = view._face_atom, view.segment_colors
+    view.set_segments(np.where(quarters == 3, 1, quarters))
+    assert view._face_atom is atoms
+    np.testing.assert_array_equal(view.segment_colors, colors[:3])
+    assert view.revision == 2
+
+
+def test_an_edit_that_cuts_through_atoms_sends_new_ones(view, quarters):
+    view.set_partition({"final": quarters}, quarters)
+    colors = view.segment_colors
+    cut = quarters.copy()
+    cut[np.flatnonzero(quarters == 0)[0]] = 4
+    view.set_segments(cut)
+    np.testing.assert_array_equal(array(view, "atom_segment")[array(view, "face_atom")], cut)
+    np.testing.assert_array_equal(view.segment_colors[:4], colors)
+    assert view.levels == ["final"]
+
+
+def test_labels_alone_need_no_levels(view, quarters):
+    view.set_segments(quarters, names={2: "chair"})
+    assert (view.levels, view.level, view.n_segments) == ([], "", 4)
+    assert view.segment_names == {"2": "chair"}
+
+
+def test_the_first_segments_are_shown_at_once_but_a_choice_is_kept(view, quarters):
+    view.set_partition({}, quarters)
+    assert view.color_by == "segments"
+    view.color_by = "shaded"
+    view.set_partition({}, quarters)
+    assert view.color_by == "shaded"
+
+
+def test_segments_can_be_taken_away(view, quarters):
+    view.set_partition({"final": quarters}, quarters)
+    view.clear_partition()
+    assert (view.n_segments, view.levels, view._face_atom) == (0, [], b"")
+    assert repr(view) == "SceneView(32 faces)"
+    view.set_segments(quarters)
+    assert view.n_segments == 4
+
+
+def test_no_segment_at_all_is_drawn_grey(view):
+    view.set_partition({}, np.full(32, -1))
+    assert view.n_segments == 0
+    assert (array(view, "atom_segment") == UNLABELLED).all()
+
+
+@pytest.mark.parametrize(
+    ("labels", "error", "message"),
+    [
+        (np.zeros(31, int), ValueError, r"segments must have shape \(32,\), one label a face, got \(31,\)"),
+        (np.zeros(32), TypeError, "segments must hold whole numbers, got dtype float64"),
+        (np.full(32, -2), ValueError, r"segments must hold -1 \(unlabelled\) and up, got -2"),
+        (np.full(32, 32), ValueError, "segments must be below the number of faces, 32, got 32"),
+    ],
+)
+def test_wrong_labels_are_refused_before_anything_changes(view, labels, error, message):
+    with pytest.raises(error, match=message):
+        view.set_partition({}, labels)
+    assert (view.revision, view._face_atom) == (0, b"")
+
+
+def test_a_wrong_level_is_named(view, quarters):
+    with pytest.raises(ValueError, match=r"levels\['base'\] must have shape"):
+        view.set_partition({"base": quarters[1:]}, quarters)
+
+
+# --- colours ---
+
+
+def test_segments_that_touch_look_different_to_everyone():
+    mesh = grid_square(30)
+    center = mesh.face_centroids
+    labels = (6 * np.floor(6 * center[:, 0]) + np.floor(6 * center[:, 1])).astype(int)
+    pairs = adjacent_segments(mesh.faces, labels, mesh.n_vertices)
+    shares = np.bincount(labels) / len(labels)
+    colors = choose_colors(36, pairs, shares)
+    assert _differences()[colors[pairs[:, 0]], colors[pairs[:, 1]]].min() > 0.07
+    assert len(set(colors.tolist())) > 30
+
+
+def test_adjacent_segments_share_a_vertex():
+    mesh = grid_square(4)
+    labels = np.where(mesh.face_centroids[:, 0] > 0.5, 1, np.where(mesh.face_centroids[:, 1] > 0.5, 2, 0))
+    pairs = adjacent_segments(mesh.faces, labels, mesh.n_vertices)
+    assert {tuple(sorted(pair)) for pair in pairs.tolist()} == {(0, 1), (0, 2), (1, 2)}
+    assert len(adjacent_segments(mesh.faces, np.full(32, -1), mesh.n_vertices)) == 0
+
+
+def test_a_merged_segment_keeps_the_colour_of_its_larger_part():
+    before, after = np.array([0, 0, 0, 1, 1, 2]), np.array([1, 1, 1, 1, 1, 0])
+    assert inherited_colors(after, 2, before, np.array([30, 31, 32])).tolist() == [32, 30]
+
+
+def test_the_larger_part_of_a_split_keeps_the_colour():
+    before, after = np.array([0, 0, 0, 1]), np.array([2, 0, 0, 1])
+    assert inherited_colors(after, 3, before, np.array([30, 31])).tolist() == [30, 31, -1]
+
+
+def test_the_palette_has_distinct_colours():
+    assert len({tuple(color) for color in palette().tolist()}) == len(palette()) >= 60
+
+
+# --- values ---
+
+
+def test_values_run_over_the_colour_map_and_nan_is_none(view):
+    values = np.linspace(2.0, 4.0, 32)
+    values[5] = np.nan
+    view.set_values(values, title="height")
+    sent = array(view, "face_value")
+    assert (sent[0], sent[-1], sent[5]) == (1, 65535, 0)
+    assert view.color_by == "values"
+    assert view.values_legend == {"title": "height", "low": 2.0, "high": 4.0}
+    assert array(view, "colormap").shape == (256, 3)
+
+
+def test_equal_values_and_no_values_are_drawn(view):
+    view.set_values(np.full(32, 3.0))
+    assert set(array(view, "face_value").tolist()) == {1}
+    view.set_values(np.full(32, np.nan))
+    assert set(array(view, "face_value").tolist()) == {0}
+
+
+def test_wrong_values_are_refused(view):
+    with pytest.raises(ValueError, match=r"values must have shape \(32,\)"):
+        view.set_values(np.zeros(3))
+    with pytest.raises(ValueError, match="colormap must be the name of a matplotlib colour map"):
+        view.set_values(np.zeros(32), colormap="rainbow dash")
+    with pytest.raises(ValueError, match="low must not be above high"):
+        view.set_values(np.zeros(32), low=2, high=1)
+    assert view.color_by == "shaded"
+
+
+# --- the door ---
+
+
+def test_only_a_mesh_can_be_shown():
+    with pytest.raises(TypeError, match="mesh must be a Mesh, got str"):
+        SceneView("scan.ply")
+
+
+def test_an_unknown_option_is_named_with_those_there_are():
+    with pytest.raises(TypeError, match=r"no option 'colour'; there are: back_faces, busy, color_by"):
+        SceneView(grid_square(2), colour="red")
+
+
+def test_a_missing_bundle_says_what_to_do(monkeypatch, tmp_path):
+    monkeypatch.setattr(scene_view, "STATIC", tmp_path)
+    scene_view._bundled.cache_clear()
+    try:
+        with pytest.raises(FileNotFoundError, match=r"front end was not built.*pip install"):
+            SceneView(grid_square(2))
+    finally:
+        scene_view._bundled.cache_clear()
+
+
+def test_the_bundle_is_part_of_the_state_of_a_saved_page(view):
+    kept = view.get_manager_state(drop_defaults=True, widgets=[view])["state"][view.model_id]["state"]
+    assert "scenewidget" in kept["_css"]
+    assert len(kept["_esm"]) > 10_000
+
+
+def test_labels_of_a_large_scan_are_ready_in_an_instant():
+    mesh = grid_square(866)  # 1.5 million faces
+    view = SceneView(mesh)
+    x, y = mesh.face_centroids[:, 0], mesh.face_centroids[:, 1]
+    levels = {str(n): (n * np.floor(n * x) + np.floor(n * y)).astype(np.int32) for n in (70, 22, 9)}
+    began = time.perf_counter()
+    view.set_partition(levels, levels["9"])
+    assert time.perf_counter() - began < 2.0  # 0.1 s on an idle machine
+    assert view.n_segments == 81
