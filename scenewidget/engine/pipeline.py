@@ -372,7 +372,8 @@ def _share(mesh: Mesh, items: Items, dihedral: IntArray, *, monitor: Monitor, al
 
 
 def _eigenbasis(mesh: Mesh, items: Items, *, monitor: Monitor, k: int, laplacian: Any) -> Eigenbasis:
-    return eigenbasis(items.mesh, k + 1, laplacian=laplacian, per_component=True, monitor=monitor)  # + zero mode
+    # one more than asked for: each component's zero mode is no signature
+    return eigenbasis(items.mesh, k + 1, laplacian=laplacian, per_component=True, monitor=monitor)
 
 
 def _delta(mesh: Mesh, items: Items, *, monitor: Monitor, feature: Any) -> FloatArray:
@@ -613,7 +614,8 @@ def _segmentation(
     if (dense >= 0).mean() < 0.5:
         warnings.warn(
             f"only {(dense >= 0).mean():.1%} of the faces are labeled: the mesh is in many pieces, and most "
-            "were too small to keep (see report); weld it first, or use items='superfacets' with more n_items",
+            "were too small to keep (see report); weld it first, or use items='superfacets' with more "
+            "n_items",
             stacklevel=2,
         )
     rank = np.full(int(labels.max()) + 1, -1, dtype=np.int32)

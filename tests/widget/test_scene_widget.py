@@ -216,9 +216,11 @@ def test_a_task_that_is_cancelled_before_it_begins_is_reported_too():
         on_error=told.append,
         on_cancelled=lambda: told.append("cancelled"),
     )
-    worker.submit(lambda _, cancel: cancel.wait(10))
+    gate = threading.Event()
+    worker.submit(lambda *_: gate.wait(10))
     worker.submit(lambda *_: "never")
     worker.cancel()
+    gate.set()
     assert worker.wait(10)
     assert told == ["cancelled"]
 
