@@ -1,0 +1,294 @@
+"""A mesh and what is said about it, as coloured triangles with the light baked in.
+
+Goes in: a mesh with labels, numbers, vectors, marked points. Comes out: a `Drawing`, plain arrays that the
+browser and the rasteriser both draw as they are. Meshes with many faces are drawn simplified.
+"""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+from scenewidget.engine.preprocess import simplify
+from scenewidget.figures.scale import ColorArray, ColorScale, color_scale
+from scenewidget.figures.strokes import edge_segments, isoline_segments, markers, needles, ribbons
+from scenewidget.widget.palette import adjacent_segments, choose_colors, palette
+
+__all__ = ["Drawing", "checked_labels", "draw", "label_colors", "label_rows"]
+
+PLAIN = (205, 200, 190)
+UNLABELLED = (150, 150, 150)
+INK = (45, 45, 50)
+ARROW = (200, 60, 30)
+MARK = (230, 50, 20)
+LIGHT = np.array([0.20, -0.62, 0.76])  # towards the light
+DARKEST = 0.62  # share of its colour that a face turned away from the light keeps
+LINE_WIDTH = 0.0022  # of the diagonal of the bounding box
+MOST_VECTORS = 2_000
+
+_simplified: weakref.WeakKeyDictionary[Mesh, dict[int, tuple[Mesh, IntArray]]] = weakref.WeakKeyDictionary()
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """Triangles to be drawn as they are, without further light.
+
+    Attributes
+    ----------
+    corners : (n_triangles, 3, 3) float32
+        Metres, around the middle of the mesh; the surface first, then what is drawn on it.
+    colors : (n_triangles, 3, 3) uint8
+        sRGB of each corner.
+    n_surface : int
+        Triangles that are the surface itself.
+    hides_back : bool
+        Leave out triangles seen from behind, so that one looks into a room from outside.
+    title : str
+    scale : ColorScale or None
+        What the colours mean, if they are numbers.
+    note : str
+        What a reader should know, such as that the mesh is drawn simplified.
+    """
+
+    corners: npt.NDArray[np.float32]
+    colors: ColorArray
+    n_surface: int
+    hides_back: bool
+    title: str = ""
+    scale: ColorScale | None = None
+    note: str = ""
+
+    def __repr__(self) -> str:
+        return f"Drawing({self.n_surface} faces)"
+
+
+def draw(
+    mesh: Mesh,
+    labels: Any = None,
+    values: npt.ArrayLike | None = None,
+    vectors: npt.ArrayLike | None = None,
+    *,
+    colors: npt.ArrayLike | None = None,
+    points: npt.ArrayLike | None = None,
+    title: str = "",
+    scale_title: str = "",
+    colormap: str | None = None,
+    low: float | None = None,
+    high: float | None = None,
+    isolines: int = 0,
+    edges: bool = False,
+    smooth: bool | None = None,
+    scan_colors: bool = True,
+    back_faces: bool | None = None,
+    vector_length: float | None = None,
+    max_faces: int = 30_000,
+) -> Drawing:
+    """The drawing that `show` shows; see there for the parameters."""
+    if not isinstance(mesh, Mesh):
+        raise TypeError(f"mesh must be a Mesh, got {type(mesh).__name__}; load_mesh(mesh) makes one")
+    if sum(given is not None for given in (labels, values, colors)) > 1:
+        raise ValueError("a face has one colour: give labels, values or colors, one of them")
+    labels = None if labels is None else checked_labels(mesh, labels)
+    numbers = None if values is None else _checked_rows(mesh, "values", values, ())
+    arrows = None if vectors is None else _checked_rows(mesh, "vectors", vectors, (3,))
+    rgb = None if colors is None else _checked_rows(mesh, "colors", colors, (3,))
+    marked = np.zeros(0, np.intp) if points is None else _checked_points(mesh, points)
+
+    drawn, source = _at_most(mesh, max_faces)
+    faces = drawn.faces
+    low_end, high_end = (end(drawn.vertices[faces], axis=(0, 1)) for end in (np.min, np.max))
+    middle, diagonal = (low_end + high_end) / 2, float(np.linalg.norm(high_end - low_end)) or 1.0
+    corners = drawn.vertices[faces] - middle
+
+    scale = None
+    at_corners = None
+    paint: ColorArray | FloatArray
+    if labels is not None:
+        paint = label_colors(labels, label_rows(mesh, labels))[source][:, None].repeat(3, axis=1)
+    elif rgb is not None:
+        paint = _corner_rows(mesh, drawn, source, rgb)
+    elif numbers is not None:
+        scale = color_scale(numbers, colormap=colormap, low=low, high=high, title=scale_title)
+        at_corners = _corner_rows(mesh, drawn, source, numbers)
+        paint = scale.colors(at_corners)
+    elif scan_colors and mesh.vertex_colors is not None:
+        paint = mesh.vertex_colors[_nearest_vertices(mesh, drawn)[faces]]
+    else:
+        paint = np.tile(np.array(PLAIN, np.uint8), (len(faces), 3, 1))
+
+    if smooth is None:
+        smooth = numbers is not None and len(numbers) == mesh.n_vertices
+    hides_back = _is_room(mesh) if back_faces is None else not back_faces
+    layers = [(corners, lit(paint, corner_normals(corners, faces, smooth=smooth)))]
+    width = LINE_WIDTH * diagonal
+    if edges:
+        strips = ribbons(
+            edge_segments(faces, corners), drawn.face_normals, 0.7 * width, both_sides=not hides_back
+        )
+        layers.append((strips, _flat(strips, INK)))
+    if isolines and at_corners is not None and scale is not None:
+        levels = np.linspace(scale.low, scale.high, isolines + 2)[1:-1]
+        strips = ribbons(
+            isoline_segments(corners, at_corners, levels),
+            drawn.face_normals,
+            width,
+            both_sides=not hides_back,
+        )
+        layers.append((strips, _flat(strips, INK)))
+    note = (
+        ""
+        if drawn is mesh
+        else f"drawn with {drawn.n_faces:,} of {mesh.n_faces:,} faces".replace(",", "\u2009")
+    )
+    if arrows is not None:
+        needle, is_thinned = _arrows(mesh, arrows, middle, diagonal, vector_length)
+        layers.append((needle, lit(_flat(needle, ARROW), corner_normals(needle, None, smooth=False))))
+        if is_thinned:
+            note += f"{'; ' if note else ''}{MOST_VECTORS} of {len(arrows)} arrows"
+    if len(marked):
+        octahedra = markers(mesh.vertices[marked] - middle, 0.012 * diagonal)
+        layers.append((octahedra, lit(_flat(octahedra, MARK), corner_normals(octahedra, None, smooth=False))))
+    return Drawing(
+        np.concatenate([layer for layer, _ in layers]).astype(np.float32),
+        np.concatenate([color for _, color in layers]),
+        len(faces),
+        hides_back,
+        title,
+        scale,
+        note,
+    )
+
+
+def lit(colors: ColorArray | FloatArray, normals: FloatArray) -> ColorArray:
+    """Colours under a light from the upper left front; what is turned away stays readable."""
+    facing = normals @ (LIGHT / np.linalg.norm(LIGHT))
+    share = DARKEST + (1 - DARKEST) * (0.5 + 0.5 * facing)
+    shaded: ColorArray = np.round(colors * share[..., None]).astype(np.uint8)
+    return shaded
+
+
+def corner_normals(corners: FloatArray, faces: IntArray | None, *, smooth: bool) -> FloatArray:
+    """(n_triangles, 3, 3) unit normal at each corner: the triangle's, or the mean at its vertex by area."""
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    if smooth and faces is not None:
+        n = int(faces.max()) + 1
+        at_vertex = np.stack([np.bincount(faces.ravel(), np.repeat(part, 3), n) for part in across.T], axis=1)
+        normals = at_vertex[faces]
+    else:
+        normals = np.repeat(across[:, None], 3, axis=1)
+    length = np.linalg.norm(normals, axis=2, keepdims=True)
+    unit: FloatArray = np.divide(normals, length, out=np.zeros(normals.shape), where=length > 0)
+    return unit
+
+
+# --- what was given ---------------------------------------------------------------------------------
+
+
+def checked_labels(mesh: Mesh, labels: Any, name: str = "labels") -> IntArray:
+    """Labels of an array or a Segmentation, checked and made dense."""
+    array = np.asarray(getattr(labels, "labels", labels))
+    if array.shape != (mesh.n_faces,):
+        raise ValueError(f"{name} must have shape ({mesh.n_faces},), one a face, got {array.shape}")
+    if array.dtype.kind not in "iub":
+        raise TypeError(f"{name} must hold whole numbers, got dtype {array.dtype}")
+    return _dense(array.astype(np.int64))
+
+
+def _checked_rows(mesh: Mesh, name: str, rows: npt.ArrayLike, tail: tuple[int, ...]) -> FloatArray:
+    array = np.asarray(rows, np.float64)
+    fits = [(count, *tail) for count in (mesh.n_vertices, mesh.n_faces)]
+    if array.shape not in fits:
+        raise ValueError(
+            f"{name} must have shape {fits[0]}, a row a vertex, or {fits[1]}, a row a face, got {array.shape}"
+        )
+    return array
+
+
+def _checked_points(mesh: Mesh, points: npt.ArrayLike) -> IntArray:
+    array = np.atleast_1d(np.asarray(points))
+    if array.ndim != 1 or array.dtype.kind not in "iu":
+        raise TypeError(f"points must be vertex numbers, got {points!r}")
+    if array.size and not (array.min() >= 0 and array.max() < mesh.n_vertices):
+        raise ValueError(
+            f"points must lie in 0..{mesh.n_vertices - 1}, the vertices of the mesh, got {points!r}"
+        )
+    return array
+
+
+# --- from the mesh to what is drawn of it --------------------------------------------------------------
+
+
+def _at_most(mesh: Mesh, max_faces: int) -> tuple[Mesh, IntArray]:
+    """The mesh with at most about that many faces, and a face of the given mesh for each of its faces."""
+    if mesh.n_faces <= max_faces:
+        return mesh, np.arange(mesh.n_faces)
+    known = _simplified.setdefault(mesh, {})
+    if max_faces not in known:
+        small = simplify(
+            mesh, n_faces=max_faces, coverage=1.0, smallest=5 / mesh.n_faces, smallest_simplified=0.0
+        ).mesh
+        nearest = cKDTree(mesh.face_centroids).query(small.face_centroids)[1]
+        known[max_faces] = small, nearest
+    return known[max_faces]
+
+
+def _nearest_vertices(mesh: Mesh, drawn: Mesh) -> IntArray:
+    if drawn is mesh:
+        return np.arange(mesh.n_vertices)
+    nearest: IntArray = cKDTree(mesh.vertices).query(drawn.vertices)[1]
+    return nearest
+
+
+def _corner_rows(mesh: Mesh, drawn: Mesh, source: IntArray, rows: FloatArray) -> FloatArray:
+    if len(rows) == mesh.n_vertices:
+        return rows[_nearest_vertices(mesh, drawn)[drawn.faces]]
+    return rows[source][:, None].repeat(3, axis=1)
+
+
+def label_rows(mesh: Mesh, labels: IntArray, known: IntArray | None = None) -> IntArray:
+    """A row of the palette for each label; ``known`` are those settled already, -1 where not."""
+    n_labels = int(labels.max(initial=-1)) + 1
+    shares = np.bincount(labels[labels >= 0], minlength=n_labels) / len(labels)
+    return choose_colors(n_labels, adjacent_segments(mesh.faces, labels, mesh.n_vertices), shares, known)
+
+
+def label_colors(labels: IntArray, rows: IntArray) -> ColorArray:
+    """(n_faces, 3) colours of the palette; grey where a label is negative."""
+    table = np.concatenate([palette()[rows], [UNLABELLED]])  # the last is for labels of -1
+    colors: ColorArray = table[labels].astype(np.uint8)
+    return colors
+
+
+def _dense(labels: IntArray) -> IntArray:
+    """Labels numbered from 0 without gaps, in their order; negative ones become -1."""
+    used, compact = np.unique(labels, return_inverse=True)
+    return np.maximum(compact.ravel() - int((used < 0).sum()), -1)
+
+
+def _is_room(mesh: Mesh) -> bool:
+    """Whether most of the surface faces the middle, as in a room seen from inside."""
+    inward = np.einsum("ij,ij->i", mesh.face_vectors, mesh.face_centroids.mean(axis=0) - mesh.face_centroids)
+    return bool(inward.sum() > 0.25 * np.abs(inward).sum())
+
+
+def _arrows(
+    mesh: Mesh, vectors: FloatArray, middle: FloatArray, diagonal: float, length: float | None
+) -> tuple[FloatArray, bool]:
+    """Needles, the longest but a hundredth of them at most a twelfth of the diagonal long."""
+    starts = (mesh.vertices if len(vectors) == mesh.n_vertices else mesh.face_centroids) - middle
+    sizes = np.linalg.norm(vectors, axis=1)
+    longest = float(np.quantile(sizes[sizes > 0], 0.99)) if (sizes > 0).any() else 1.0
+    scale = diagonal / 12 / longest if length is None else length
+    is_thinned = len(vectors) > MOST_VECTORS
+    keep = np.linspace(0, len(vectors) - 1, MOST_VECTORS).astype(np.intp) if is_thinned else slice(None)
+    return needles(starts[keep], scale * vectors[keep], 0.004 * diagonal), is_thinned
+
+
+def _flat(triangles: FloatArray, color: tuple[int, int, int]) -> ColorArray:
+    return np.tile(np.array(color, np.uint8), (len(triangles), 3, 1))

@@ -1,0 +1,208 @@
+"""Drawings in the browser, to be turned with the mouse: one camera for all panels of a figure.
+
+Goes in: drawings. Comes out: a `Figure`, which a cell shows; its ``widget`` goes into other widgets. Drawn
+by pythreejs, with plain materials: the light is in the colours already.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import ipywidgets as widgets
+import numpy as np
+
+from scenewidget.figures.drawing import Drawing
+from scenewidget.figures.picture import all_points, color_bar, png
+from scenewidget.figures.raster import FIELD_OF_VIEW, Camera
+from scenewidget.figures.scale import ColorScale
+
+__all__ = ["Figure"]
+
+
+class Figure:
+    """One or more drawings with one camera; it displays itself as the last value of a cell.
+
+    Parameters
+    ----------
+    drawings : sequence of Drawing
+    view : (azimuth, elevation)
+        Degrees: from where it is looked at first.
+    width, height : int
+        Pixels of each panel.
+
+    Attributes
+    ----------
+    widget : ipywidgets.Widget
+        What the browser shows, made on first use; put it in boxes with other widgets.
+    """
+
+    def __init__(
+        self,
+        drawings: Sequence[Drawing],
+        *,
+        view: tuple[float, float] = (-60.0, 30.0),
+        width: int = 560,
+        height: int = 400,
+    ) -> None:
+        self.drawings = tuple(drawings)
+        self.view = view
+        self.width, self.height = width, height
+
+    def __repr__(self) -> str:
+        faces = ", ".join(str(drawing.n_surface) for drawing in self.drawings)
+        return f"Figure({faces} faces)"
+
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
+        from base64 import b64encode
+
+        bundle: dict[str, Any] = self.widget._repr_mimebundle_() or {}
+        return {**bundle, "text/plain": repr(self), "image/png": b64encode(self.png()).decode()}
+
+    def png(self) -> bytes:
+        """The first view as a PNG, for places where no browser draws it."""
+        return png(self.drawings, view=self.view, width=self.width, height=self.height)
+
+    def redraw(self, figure: Figure | Drawing) -> None:
+        """Show what another figure shows in place of this, from where it is looked at now.
+
+        The cheap way to follow a slider: same number of panels, and only colours and positions are sent.
+        """
+        drawings = (figure,) if isinstance(figure, Drawing) else figure.drawings
+        if len(drawings) != len(self.drawings):
+            raise ValueError(f"figure must have {len(self.drawings)} panels, got {len(drawings)}")
+        self.drawings = drawings
+        if "widget" in vars(self):
+            for panel, drawing in zip(self._panels, drawings):
+                panel.draw(drawing)
+
+    @cached_property
+    def widget(self) -> Any:
+        """The figure as an ipywidgets widget."""
+        row = widgets.HBox(
+            [panel.widget for panel in self._panels], layout=widgets.Layout(flex_flow="row wrap")
+        )
+        return row if len(self._panels) > 1 else self._panels[0].widget
+
+    @cached_property
+    def _panels(self) -> list[Panel]:
+        camera, controls = self._camera
+        return [Panel(drawing, camera, controls, self.width, self.height) for drawing in self.drawings]
+
+    @cached_property
+    def _camera(self) -> tuple[Any, Any]:
+        """The camera and the mouse's hold on it, both shared, so that turning one panel turns all."""
+        import pythreejs as three
+
+        aspect = self.width / self.height
+        place = Camera.fitting(all_points(self.drawings), self.view, aspect)
+        camera = three.PerspectiveCamera(
+            fov=FIELD_OF_VIEW,
+            aspect=aspect,
+            near=0.02 * place.distance,
+            far=8 * place.distance,
+            up=(0.0, 0.0, 1.0),
+            position=tuple(place.position.tolist()),
+            quaternion=_quaternion(place),
+        )
+        return camera, three.OrbitControls(controlling=camera)
+
+
+class Panel:
+    """One drawing with its title, colour bar and note."""
+
+    def __init__(self, drawing: Drawing, camera: Any, controls: Any, width: int, height: int) -> None:
+        import pythreejs as three
+
+        self.scene = three.Scene(background="#ffffff")
+        self.renderer = three.Renderer(
+            scene=self.scene,
+            camera=camera,
+            controls=[controls],
+            width=width,
+            height=height,
+            antialias=True,
+            background="#ffffff",
+        )
+        self.title, self.legend = widgets.HTML(), widgets.HTML()
+        self.object: Any = None
+        self.draw(drawing)
+        self.widget = widgets.VBox(
+            [self.title, self.renderer, self.legend], layout=widgets.Layout(width=f"{width + 8}px")
+        )
+        self.widget.add_class("scenewidget-figure")
+
+    def draw(self, drawing: Drawing) -> None:
+        """Show it; if it has as many triangles as the last, only what differs is sent."""
+        is_alike = (
+            self.object is not None
+            and self.position.array.shape == (3 * len(drawing.corners), 3)
+            and self.object.material.side == _side(drawing)
+        )
+        corners = drawing.corners.reshape(-1, 3)
+        colors = _linear(drawing.colors)
+        if is_alike:
+            if not np.array_equal(self.position.array, corners):
+                self.position.array = corners
+            self.color.array = colors
+        else:
+            self._replace(corners, colors, drawing)
+        for box, text in ((self.title, _title(drawing)), (self.legend, _legend(drawing))):
+            if box.value != text:
+                box.value = text
+            box.layout.display = "" if text else "none"
+
+    def _replace(self, corners: Any, colors: Any, drawing: Drawing) -> None:
+        import pythreejs as three
+
+        self.position = three.BufferAttribute(corners, normalized=False)
+        self.color = three.BufferAttribute(colors, normalized=False)
+        geometry = three.BufferGeometry(attributes={"position": self.position, "color": self.color})
+        material = three.MeshBasicMaterial(vertexColors="VertexColors", side=_side(drawing))
+        self.object = three.Mesh(geometry, material)
+        self.scene.children = [self.object]
+
+
+def _side(drawing: Drawing) -> str:
+    return "FrontSide" if drawing.hides_back else "DoubleSide"
+
+
+def _linear(colors: Any) -> Any:
+    """As the browser takes them, (3 n_triangles, 3) float32 in 0 to 1."""
+    return (colors.reshape(-1, 3) / np.float32(255)).astype(np.float32)
+
+
+def _quaternion(camera: Camera) -> tuple[float, float, float, float]:
+    """The camera's rotation as x, y, z, w; it looks along its own −z."""
+    from scipy.spatial.transform import Rotation
+
+    x, y, z, w = Rotation.from_matrix(camera.axes.T).as_quat()
+    return float(x), float(y), float(z), float(w)
+
+
+def _title(drawing: Drawing) -> str:
+    if not drawing.title:
+        return ""
+    return f'<div style="text-align:center;font-weight:600">{html.escape(drawing.title)}</div>'
+
+
+def _legend(drawing: Drawing) -> str:
+    parts = [] if drawing.scale is None else [_bar(drawing.scale)]
+    if drawing.note:
+        parts.append(
+            f'<div style="text-align:center;opacity:.65;font-size:12px">{html.escape(drawing.note)}</div>'
+        )
+    return "".join(parts)
+
+
+def _bar(scale: ColorScale) -> str:
+    stops = ",".join("#{:02x}{:02x}{:02x}".format(*color) for color in color_bar(scale, 17))
+    low, middle, high = scale.ticks()
+    texts = "".join(f"<span>{html.escape(text)}</span>" for text in (low, scale.title or middle, high))
+    return (
+        '<div style="width:62%;margin:auto;font-size:12px;line-height:1.4">'
+        f'<div style="height:10px;background:linear-gradient(to right,{stops})"></div>'
+        f'<div style="display:flex;justify-content:space-between">{texts}</div></div>'
+    )
