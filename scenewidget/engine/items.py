@@ -235,7 +235,7 @@ def find_bridges(mesh: Mesh, pairs: IntArray, reach: float) -> IntArray:
     tree = cKDTree(points)
     largest = np.bincount(component).argmax()
     asking = np.flatnonzero(home != largest)
-    found = []
+    found = [np.empty((0, 2), dtype=np.int64)]
     k = 4
     while len(asking):  # look among more and more neighbours until one belongs to another component
         k = min(k, len(border))

@@ -209,8 +209,8 @@ def _fast(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArra
 def _qslim(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
     import igl
 
-    done, out_vertices, out_faces, _, _ = igl.qslim(vertices, faces.astype(np.int64), int(target))
-    if not done and len(out_faces) == 0:
+    out_vertices, out_faces, _, _ = igl.qslim(vertices, faces.astype(np.int64), int(target))
+    if len(out_faces) == 0:
         raise MeshError(
             "simplifier='qslim' needs a mesh without non-manifold edges, and this one has some; "
             "use simplifier='fast'"

@@ -1,5 +1,6 @@
 """Meshes: what is refused, plain geometry in closed form, adjacency by definition, and files."""
 
+import itertools
 import random
 import re
 import struct
@@ -138,7 +139,7 @@ def adjacency_by_definition(mesh):
         if len(faces) <= MAX_FAN:
             pairs |= {(min(a, b), max(a, b)) for a in faces for b in faces if a != b}
         else:
-            pairs |= {(a, b) for a, b in zip(faces, faces[1:]) if a != b}
+            pairs |= {(a, b) for a, b in itertools.pairwise(faces) if a != b}
     return sorted(pairs)
 
 
@@ -314,7 +315,7 @@ OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
         ("a.ply", ply(10**9, 1, BYTES, binary=True), "promises 1000000000 of element 'vertex'"),
         ("a.ply", ply("-4", 1, CORNERS), "promises -4 of element 'vertex'"),
         ("a.ply", ply(4, 0, CORNERS), "holds no triangles, only points"),
-        ("a.ply", ply(4, 1, CORNERS + "3 0 1 7\n"), r"faces\[0\] = \[0, 1, 7\] refers to a vertex that does not"),
+        ("a.ply", ply(4, 1, CORNERS + "3 0 1 7\n"), "refers to a vertex that does not exist"),
         ("a.ply", ply(4, 1, CORNERS.replace("1 1 0", "1 nan 0") + "3 0 1 2\n"), "NaN or infinite"),
         (
             "a.ply",
