@@ -1,0 +1,189 @@
+"""Shares of k, members with seeds of their own, and merging over planes on hand-made scenes."""
+
+import numpy as np
+import pytest
+import shapes
+from hypothesis import given
+from hypothesis import strategies as st
+
+from scenewidget.engine.distances import all_pairs, edge_costs, weight_graph
+from scenewidget.engine.ensemble import allocate, felzenszwalb_members, k_medoids_members, merge_flat
+from scenewidget.engine.items import simplified_items
+from scenewidget.engine.kmedoids import INITS
+from scenewidget.engine.mesh import Mesh, face_adjacency
+from scenewidget.engine.monitor import Cancelled, Monitor
+
+
+def items_of(mesh):
+    return simplified_items(mesh, face_adjacency(mesh))
+
+
+def distances_of(items):
+    weights = edge_costs(items.normals, items.pairs) + 0.01
+    return [all_pairs(weight_graph(items.n, items.pairs, weights))]
+
+
+def members(items, **options):
+    n = int(items.component.max()) + 1
+    options = {"k_range": (6, 10), "n_runs": 4, "seed": 0} | options
+    share = np.bincount(items.component) / items.n if n > 1 else np.ones(1)
+    return k_medoids_members(items, distances_of(items), share, **options)
+
+
+TWO_BOXES = shapes.joined(shapes.box(3), shapes.box(4), gap=3.0)
+
+
+@given(st.integers(1, 200), st.lists(st.integers(1, 30), min_size=1, max_size=8))
+def test_every_component_gets_one_to_as_many_clusters_as_it_has_items(total, sizes):
+    sizes = np.array(sizes)
+    count = allocate(total, sizes / sizes.sum(), sizes)
+    assert (count >= 1).all()
+    assert (count <= sizes).all()
+    inside = (count > 1) & (count < sizes)
+    assert (np.abs(count - total * sizes / sizes.sum())[inside] <= 0.5 + 1e-9).all()
+
+
+def test_same_gives_each_component_the_whole():
+    assert allocate(7, np.ones(3), np.array([100, 100, 5])).tolist() == [7, 7, 5]
+
+
+def test_a_cluster_never_spans_two_components():
+    items = items_of(TWO_BOXES)
+    for keys in members(items, n_runs=3).T:
+        assert keys.min() >= 0
+        for label in np.unique(keys):
+            assert len(set(items.component[keys == label].tolist())) == 1
+
+
+def test_k_lies_in_its_range():
+    items = items_of(shapes.box(5))
+    keys = members(items, k_range=(5, 8), n_runs=30)
+    counts = {len(np.unique(column)) for column in keys.T}
+    assert counts == {5, 6, 7, 8}
+
+
+@pytest.mark.parametrize("init", INITS)
+def test_more_runs_extend_fewer_and_threads_do_not_matter(init):
+    items = items_of(TWO_BOXES)
+    few = members(items, n_runs=3, init=init, n_threads=1)
+    many = members(items, n_runs=7, init=init, n_threads=4)
+    np.testing.assert_array_equal(many[:, :3], few)
+    assert not np.array_equal(members(items, n_runs=3, init="random", seed=1), members(items, n_runs=3))
+
+
+def test_runs_take_the_matrices_in_turn():
+    items = items_of(shapes.box(4))
+    D = distances_of(items)[0]
+    other = np.ascontiguousarray(D.max() - D + np.float32(1))
+    np.fill_diagonal(other, 0)
+    share, options = np.ones(1), {"k_range": (5, 5), "n_runs": 4}
+    both = k_medoids_members(items, [D, other], share, **options)
+    first, second = (k_medoids_members(items, [M], share, **options) for M in (D, other))
+    np.testing.assert_array_equal(both[:, ::2], first[:, ::2])
+    np.testing.assert_array_equal(both[:, 1::2], second[:, 1::2])
+
+
+def test_graph_members_cut_at_creases_and_extend():
+    items = items_of(shapes.room(12)[0])
+    few = felzenszwalb_members(items, n_runs=2, n_threads=1)
+    many = felzenszwalb_members(items, n_runs=6, n_threads=3)
+    np.testing.assert_array_equal(many[:, :2], few)
+    assert len(np.unique(many[:, 0])) > 1
+
+
+def test_cancel_is_heard_between_runs():
+    class Later:
+        def __init__(self):
+            self.asked = 0
+
+        def is_set(self):
+            self.asked += 1
+            return self.asked > 3
+
+    with pytest.raises(Cancelled):
+        members(items_of(shapes.box(3)), n_runs=50, monitor=Monitor(cancel=Later()))
+
+
+# --- merging --------------------------------------------------------------------------------------
+
+
+def strips(mesh, axis=0, n=4):
+    """Labels in n strips across the mesh."""
+    place = mesh.face_centroids[:, axis]
+    return np.minimum((n * (place - place.min()) / (np.ptp(place) + 1e-9)).astype(np.int32), n - 1)
+
+
+def together(labels):
+    return labels[:, None] == labels
+
+
+def test_pieces_of_one_plane_merge():
+    items = items_of(shapes.grid_square(8))
+    assert merge_flat(items, strips(items.mesh)).tolist() == [0] * items.n
+
+
+def test_the_sides_of_a_box_stay_apart_and_their_pieces_merge():
+    mesh = shapes.box(8)
+    items = items_of(mesh)
+    side = shapes._side(mesh)
+    labels = 2 * side + (mesh.face_centroids @ [0.3, 0.5, 0.7] > 0)
+    _, labels = np.unique(labels, return_inverse=True)
+    np.testing.assert_array_equal(together(merge_flat(items, labels.astype(np.int32))), together(side))
+
+
+def bend(angle, n=6):
+    """Two square sheets that meet at an angle (radians) at x = 0, and which one a face is on."""
+    sheet = shapes.grid_square(n)
+    right = sheet.vertices[:, 0]
+    up = np.column_stack([np.cos(angle) * right, sheet.vertices[:, 1], np.sin(angle) * right])
+    left = Mesh(sheet.vertices * [-1, 1, 1], sheet.faces[:, ::-1])
+    return shapes.joined(left, Mesh(up, sheet.faces)), np.repeat([0, 1], sheet.n_faces).astype(np.int32)
+
+
+@pytest.mark.parametrize(("degrees", "n_left"), [(0, 1), (7, 1), (9, 2), (90, 2)])
+def test_the_angle_decides_at_99_percent(degrees, n_left):
+    mesh, labels = bend(np.radians(degrees))  # cos 8.1° = .99
+    assert merge_flat(items_of(mesh), labels).max() + 1 == n_left
+
+
+def test_parallel_pieces_that_do_not_touch_stay_apart():
+    mesh = shapes.joined(shapes.grid_square(4), shapes.grid_square(4), gap=2.0)
+    labels = np.repeat([0, 1], 32).astype(np.int32)
+    assert merge_flat(items_of(mesh), labels).tolist() == labels.tolist()
+
+
+def test_round_pieces_do_not_merge_and_thresholds_are_options():
+    items = items_of(shapes.icosphere(3))
+    labels = (items.mesh.face_centroids[:, 2] > 0).astype(np.int32)
+    assert merge_flat(items, labels).max() == 1
+    assert merge_flat(items, labels, flatness=1.1, normal=-1.0, seam=-1.0).max() == 0
+
+
+def test_a_flat_chain_merges_round_after_round():
+    items = items_of(shapes.grid_square(16))
+    assert merge_flat(items, strips(items.mesh, n=16)).max() == 0
+
+
+def test_unlabeled_items_stay_so_and_one_segment_is_left_alone():
+    items = items_of(shapes.grid_square(4))
+    labels = np.zeros(items.n, dtype=np.int32)
+    labels[:3] = -1
+    np.testing.assert_array_equal(merge_flat(items, labels), labels)
+    labels = strips(items.mesh)
+    labels[:3] = -1
+    assert (merge_flat(items, labels)[:3] == -1).all()
+
+
+def test_nothing_to_merge_on_single_faces():
+    items = items_of(shapes.triangle())
+    assert merge_flat(items, np.zeros(1, np.int32)).tolist() == [0]
+
+
+@given(st.integers(0, 99))
+def test_merging_only_joins_and_twice_is_once(seed):
+    items = items_of(shapes.box(4))
+    labels = np.random.default_rng(seed).integers(0, 12, items.n).astype(np.int32)
+    _, labels = np.unique(labels, return_inverse=True)
+    once = merge_flat(items, labels.astype(np.int32))
+    assert (together(labels) <= together(once)).all()
+    np.testing.assert_array_equal(merge_flat(items, once), once)

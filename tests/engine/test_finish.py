@@ -1,0 +1,135 @@
+"""Connected pieces, crumbs given to neighbours, walls joined: on scenes made by hand."""
+
+import numpy as np
+import shapes
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import graphs
+
+from scenewidget.engine.finish import absorb_small, connected_pieces, join_planes
+from scenewidget.engine.items import simplified_items
+from scenewidget.engine.mesh import Mesh, connected_components, face_adjacency
+
+
+def faces_as_items(mesh):
+    """One item a face."""
+    options = {"coverage": 1.0, "smallest": 0.0, "smallest_simplified": 0.0}
+    return simplified_items(mesh, face_adjacency(mesh), n_faces=10**6, **options)
+
+
+def together(labels):
+    return labels[:, None] == labels
+
+
+@given(graphs(), st.data())
+def test_pieces_are_the_components_within_labels(graph, data):
+    n, pairs, _ = graph
+    labels = np.array(data.draw(st.lists(st.integers(-1, 3), min_size=n, max_size=n)), dtype=np.int32)
+    pieces = connected_pieces(labels, pairs)
+    np.testing.assert_array_equal(pieces < 0, labels < 0)
+    same = pairs[labels[pairs[:, 0]] == labels[pairs[:, 1]]]
+    _, component = connected_components(n, same)
+    known = labels >= 0
+    np.testing.assert_array_equal(together(pieces[known]), together(component[known]))
+    _, first = np.unique(pieces[known], return_index=True)
+    assert (np.diff(first) > 0).all()
+
+
+def grid_items(n=10):
+    """Items in n × n cells of two faces each, 1 m wide, and the cell's column and row."""
+    mesh = shapes.grid_square(n)
+    cell = np.repeat(np.arange(n * n), 2)
+    bumpy = Mesh(
+        mesh.vertices + np.random.default_rng(0).normal(scale=0.01, size=mesh.vertices.shape), mesh.faces
+    )
+    items = faces_as_items(bumpy)
+    assert items.n == mesh.n_faces
+    return items, cell // n, cell % n
+
+
+def test_a_crumb_goes_to_the_neighbour_with_most_of_its_seam():
+    items, column, row = grid_items()
+    labels = np.where(column < 5, 0, 1).astype(np.int32)
+    crumb = (column == 5) & (row < 3)  # three cells touch the left, four of its edges the right
+    labels[crumb] = 2
+    merged = absorb_small(items, labels, smallest=0.05)
+    expected = np.where(column < 5, 0, 1)
+    expected[crumb] = 1
+    np.testing.assert_array_equal(together(merged), together(expected))
+
+
+def test_segments_of_the_least_area_stay():
+    items, column, _ = grid_items()
+    labels = (column >= 5).astype(np.int32)
+    np.testing.assert_array_equal(absorb_small(items, labels, smallest=0.4), labels)
+    assert absorb_small(items, labels, smallest=0.0).max() == 1
+
+
+def test_all_crumbs_end_in_one():
+    items, _, _ = grid_items()
+    assert absorb_small(items, np.arange(items.n, dtype=np.int32), smallest=10.0).max() == 0
+
+
+def test_crumbs_without_a_neighbour_and_the_unlabeled_stay():
+    mesh = shapes.joined(shapes.grid_square(4), shapes.triangle(), gap=5.0)
+    items = faces_as_items(mesh)
+    labels = items.component.copy()
+    np.testing.assert_array_equal(absorb_small(items, labels, smallest=100.0), labels)
+    labels[:2] = -1
+    assert (absorb_small(items, labels, smallest=100.0)[:2] == -1).all()
+
+
+@given(st.integers(0, 99), st.floats(0.005, 0.3))
+def test_no_segment_with_a_neighbour_stays_below_the_least_area(seed, smallest):
+    items, column, row = grid_items(6)
+    labels = np.random.default_rng(seed).integers(0, 9, 36)[6 * column + row]
+    pieces = connected_pieces(labels.astype(np.int32), items.pairs)
+    merged = absorb_small(items, pieces, smallest)
+    assert (together(pieces) <= together(merged)).all()
+    area = np.bincount(merged, items.areas)
+    assert len(area) == 1 or area.min() >= smallest
+
+
+# --- walls ----------------------------------------------------------------------------------------
+
+
+def scene(*parts):
+    """Items a face of parts joined in one mesh, and the part of each item."""
+    mesh = shapes.joined(*parts)
+    return faces_as_items(mesh), np.repeat(np.arange(len(parts)), [p.n_faces for p in parts]).astype(np.int32)
+
+
+def sheet(origin, size, n=6):
+    square = shapes.grid_square(n)
+    return Mesh(square.vertices * [*size, 1] + np.array(origin), square.faces)
+
+
+def test_two_pieces_of_a_floor_become_one():
+    items, part = scene(sheet((0, 0, 0), (2, 2)), sheet((3, 0, 0.01), (2, 1)), sheet((0, 3, 0.8), (1, 1)))
+    assert join_planes(items, part).tolist() == np.where(part == 2, 1, 0).tolist()
+
+
+def test_a_sheet_that_looks_the_other_way_stays():
+    ceiling = sheet((3, 0, 0), (2, 1))
+    items, part = scene(sheet((0, 0, 0), (2, 2)), Mesh(ceiling.vertices, ceiling.faces[:, ::-1]))
+    assert len(set(join_planes(items, part).tolist())) == 2
+
+
+def test_a_table_top_is_no_floor_because_things_lie_behind_it():
+    """Both halves of a table lie in one plane, but the floor is behind them."""
+    items, part = scene(sheet((0, 0, 0), (4, 4)), sheet((0, 0, 0.7), (1.2, 1)), sheet((2, 0, 0.7), (1.2, 1)))
+    assert len(set(join_planes(items, part).tolist())) == 3
+
+
+def test_small_and_rough_pieces_found_nothing():
+    items, part = scene(sheet((0, 0, 0), (0.9, 1)), sheet((2, 0, 0), (0.9, 1)))
+    assert len(set(join_planes(items, part).tolist())) == 2
+    assert len(set(join_planes(items, part, smallest_seed=0.5).tolist())) == 1
+
+
+def test_the_unlabeled_stay_unlabeled():
+    items, part = scene(sheet((0, 0, 0), (2, 2)), sheet((3, 0, 0), (2, 1)))
+    part[:5] = -1
+    joined = join_planes(items, part)
+    assert (joined[:5] == -1).all()
+    assert set(joined[5:].tolist()) == {0}
