@@ -20,7 +20,16 @@ from scenewidget.figures.scale import ColorArray, ColorScale, color_scale
 from scenewidget.figures.strokes import edge_segments, isoline_segments, markers, needles, ribbons
 from scenewidget.widget.palette import adjacent_segments, choose_colors, palette
 
-__all__ = ["Drawing", "checked_labels", "draw", "label_colors", "label_rows"]
+__all__ = [
+    "Drawing",
+    "at_most",
+    "checked_labels",
+    "corner_normals",
+    "draw",
+    "label_colors",
+    "label_rows",
+    "nearest_vertices",
+]
 
 PLAIN = (205, 200, 190)
 UNLABELLED = (150, 150, 150)
@@ -88,8 +97,9 @@ def draw(
     back_faces: bool | None = None,
     vector_length: float | None = None,
     max_faces: int = 30_000,
+    middle: FloatArray | None = None,
 ) -> Drawing:
-    """The drawing that `show` shows; see there for the parameters."""
+    """The drawing that `show` shows; see there for the parameters, all but ``middle``: what becomes the origin."""
     if not isinstance(mesh, Mesh):
         raise TypeError(f"mesh must be a Mesh, got {type(mesh).__name__}; load_mesh(mesh) makes one")
     if sum(given is not None for given in (labels, values, colors)) > 1:
@@ -100,10 +110,11 @@ def draw(
     rgb = None if colors is None else _checked_rows(mesh, "colors", colors, (3,))
     marked = np.zeros(0, np.intp) if points is None else _checked_points(mesh, points)
 
-    drawn, source = _at_most(mesh, max_faces)
+    drawn, source = at_most(mesh, max_faces)
     faces = drawn.faces
     low_end, high_end = (end(drawn.vertices[faces], axis=(0, 1)) for end in (np.min, np.max))
-    middle, diagonal = (low_end + high_end) / 2, float(np.linalg.norm(high_end - low_end)) or 1.0
+    middle = (low_end + high_end) / 2 if middle is None else middle
+    diagonal = float(np.linalg.norm(high_end - low_end)) or 1.0
     corners = drawn.vertices[faces] - middle
 
     scale = None
@@ -118,7 +129,7 @@ def draw(
         at_corners = _corner_rows(mesh, drawn, source, numbers)
         paint = scale.colors(at_corners)
     elif scan_colors and mesh.vertex_colors is not None:
-        paint = mesh.vertex_colors[_nearest_vertices(mesh, drawn)[faces]]
+        paint = mesh.vertex_colors[nearest_vertices(mesh, drawn)[faces]]
     else:
         paint = np.tile(np.array(PLAIN, np.uint8), (len(faces), 3, 1))
 
@@ -224,7 +235,7 @@ def _checked_points(mesh: Mesh, points: npt.ArrayLike) -> IntArray:
 # --- from the mesh to what is drawn of it --------------------------------------------------------------
 
 
-def _at_most(mesh: Mesh, max_faces: int) -> tuple[Mesh, IntArray]:
+def at_most(mesh: Mesh, max_faces: int) -> tuple[Mesh, IntArray]:
     """The mesh with at most about that many faces, and a face of the given mesh for each of its faces."""
     if mesh.n_faces <= max_faces:
         return mesh, np.arange(mesh.n_faces)
@@ -238,7 +249,8 @@ def _at_most(mesh: Mesh, max_faces: int) -> tuple[Mesh, IntArray]:
     return known[max_faces]
 
 
-def _nearest_vertices(mesh: Mesh, drawn: Mesh) -> IntArray:
+def nearest_vertices(mesh: Mesh, drawn: Mesh) -> IntArray:
+    """(drawn.n_vertices,) nearest vertex of the given mesh."""
     if drawn is mesh:
         return np.arange(mesh.n_vertices)
     nearest: IntArray = cKDTree(mesh.vertices).query(drawn.vertices)[1]
@@ -247,7 +259,7 @@ def _nearest_vertices(mesh: Mesh, drawn: Mesh) -> IntArray:
 
 def _corner_rows(mesh: Mesh, drawn: Mesh, source: IntArray, rows: FloatArray) -> FloatArray:
     if len(rows) == mesh.n_vertices:
-        return rows[_nearest_vertices(mesh, drawn)[drawn.faces]]
+        return rows[nearest_vertices(mesh, drawn)[drawn.faces]]
     return rows[source][:, None].repeat(3, axis=1)
 
 

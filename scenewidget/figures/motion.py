@@ -1,40 +1,149 @@
-"""Eigenfunctions as vibrations: the surface swings along its normals, as a drum skin does."""
+"""Eigenfunctions as vibrations: the surface swings along its normals, as a drum skin does.
+
+The browser swings it by itself, between the mesh at rest and a displaced copy; Python is asked only when
+the slider chooses another eigenfunction.
+"""
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
+import ipywidgets as widgets
+import numpy as np
 import numpy.typing as npt
 
-from scenewidget.engine.mesh import Mesh
-from scenewidget.figures.orbit import Figure
+from scenewidget.engine.mesh import FloatArray, Mesh
+from scenewidget.figures.drawing import Drawing, at_most, corner_normals, draw, nearest_vertices
+from scenewidget.figures.orbit import Figure, Panel
 
-__all__ = ["vibration"]
+__all__ = ["Vibration", "displaced", "vibration"]
+
+PERIOD = 2.4  # seconds
+N_KEYS = 33  # of the sine; the browser goes straight from key to key
 
 
 def vibration(
     mesh: Mesh,
     eigenfunction: npt.ArrayLike,
     *,
+    start: int = 0,
     amplitude: float | None = None,
     title: str = "",
-    **options: Any,
-) -> Figure:
+    edges: bool = False,
+    back_faces: bool | None = None,
+    view: tuple[float, float] = (-60.0, 30.0),
+    width: int = 560,
+    height: int = 400,
+    max_faces: int = 20_000,
+) -> Vibration:
     """A mesh that swings: each point moves along its normal by the eigenfunction there, to and fro.
+
+    Press the triangle below it. The picture that stands in for it shows the largest displacement.
 
     Parameters
     ----------
     mesh : Mesh
     eigenfunction : (n_vertices,) or (n_vertices, k) float
         With k columns, a slider chooses the column.
+    start : int
+        Column that is shown first.
     amplitude : float, optional
         Largest displacement in metres; a twelfth of the diagonal by default.
     title : str
-    **options
-        Of `show`: view, width, height, isolines, edges …
+        ``{i}`` in it stands for the column.
+    edges, back_faces, view, width, height, max_faces
+        As in `show`.
 
     Returns
     -------
     Figure
     """
-    raise NotImplementedError
+    phi = np.asarray(eigenfunction, np.float64)
+    if phi.ndim not in (1, 2) or len(phi) != mesh.n_vertices or phi.size == 0:
+        raise ValueError(
+            f"eigenfunction must have shape ({mesh.n_vertices},) or ({mesh.n_vertices}, k), got {phi.shape}"
+        )
+    phi = phi.reshape(mesh.n_vertices, -1)
+    if not 0 <= start < phi.shape[1]:
+        raise ValueError(f"start must lie in 0..{phi.shape[1] - 1}, the columns, got {start}")
+    drawn, _ = at_most(mesh, max_faces)
+    phi = phi[nearest_vertices(mesh, drawn)]
+    if amplitude is None:
+        low, high = (end(drawn.vertices[drawn.faces], axis=(0, 1)) for end in (np.min, np.max))
+        amplitude = float(np.linalg.norm(high - low)) / 12
+    options = {"edges": edges, "back_faces": back_faces}
+    return Vibration(drawn, phi, start, amplitude, title, options, view=view, width=width, height=height)
+
+
+class Vibration(Figure):
+    """A figure that swings; made by `vibration`."""
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        phi: FloatArray,
+        column: int,
+        amplitude: float,
+        title: str,
+        options: dict[str, Any],
+        **size: Any,
+    ) -> None:
+        self._mesh, self._phi, self._amplitude = mesh, phi, amplitude
+        self._title, self._options = title, options
+        super().__init__([self._drawing(column, 1.0)], **size)
+        self._column = column
+
+    @cached_property
+    def widget(self) -> Any:
+        """The figure, its play button and its slider."""
+        import pythreejs as three
+
+        camera, controls = self._camera
+        panel = Panel(
+            self._drawing(self._column, 0.0),
+            camera,
+            controls,
+            self.width,
+            self.height,
+            morph=self.drawings[0],
+        )
+        times = np.linspace(0.0, PERIOD, N_KEYS)
+        track = three.NumberKeyframeTrack(
+            name=".morphTargetInfluences[0]",
+            times=times.astype(np.float32),
+            values=np.sin(2 * np.pi * times / PERIOD).astype(np.float32),
+        )
+        clip = three.AnimationClip(tracks=[track], duration=PERIOD)
+        action = three.AnimationAction(three.AnimationMixer(panel.object), clip, panel.object)
+        handles: list[Any] = [action]
+        if self._phi.shape[1] > 1:
+            slider = widgets.IntSlider(
+                self._column, 0, self._phi.shape[1] - 1, description="index i", continuous_update=True
+            )
+            slider.observe(lambda change: self._choose(panel, change["new"]), "value")
+            handles.append(slider)
+        return widgets.VBox([panel.widget, widgets.HBox(handles)])
+
+    def _choose(self, panel: Panel, column: int) -> None:
+        self.drawings = (self._drawing(column, 1.0),)
+        panel.draw(self._drawing(column, 0.0), morph=self.drawings[0])
+
+    def _drawing(self, column: int, share: float) -> Drawing:
+        phi = self._phi[:, column]
+        peak = float(np.abs(phi).max()) or 1.0
+        moved = displaced(self._mesh, share * self._amplitude / peak * phi)
+        low, high = (end(self._mesh.vertices[self._mesh.faces], axis=(0, 1)) for end in (np.min, np.max))
+        return draw(
+            moved, values=phi, low=-peak, high=peak, colormap="RdBu_r", smooth=True,
+            title=self._title.replace("{i}", str(column)), middle=(low + high) / 2,
+            max_faces=moved.n_faces, **self._options,
+        )  # fmt: skip
+
+
+def displaced(mesh: Mesh, heights: FloatArray) -> Mesh:
+    """The mesh with each vertex moved along its normal (the area-weighted mean of its faces) by its height."""
+    corners = mesh.vertices[mesh.faces]
+    normals = np.zeros((mesh.n_vertices, 3))
+    normals[mesh.faces] = corner_normals(corners, mesh.faces, smooth=True)
+    return Mesh(mesh.vertices + heights[:, None] * normals, mesh.faces)

@@ -111,9 +111,21 @@ class Figure:
 
 
 class Panel:
-    """One drawing with its title, colour bar and note."""
+    """One drawing with its title, colour bar and note.
 
-    def __init__(self, drawing: Drawing, camera: Any, controls: Any, width: int, height: int) -> None:
+    With ``morph``, a drawing of as many triangles, the browser can move the corners towards those of it.
+    """
+
+    def __init__(
+        self,
+        drawing: Drawing,
+        camera: Any,
+        controls: Any,
+        width: int,
+        height: int,
+        *,
+        morph: Drawing | None = None,
+    ) -> None:
         import pythreejs as three
 
         self.scene = three.Scene(background="#ffffff")
@@ -128,40 +140,43 @@ class Panel:
         )
         self.title, self.legend = widgets.HTML(), widgets.HTML()
         self.object: Any = None
-        self.draw(drawing)
+        self.draw(drawing, morph=morph)
         self.widget = widgets.VBox(
             [self.title, self.renderer, self.legend], layout=widgets.Layout(width=f"{width + 8}px")
         )
         self.widget.add_class("scenewidget-figure")
 
-    def draw(self, drawing: Drawing) -> None:
+    def draw(self, drawing: Drawing, *, morph: Drawing | None = None) -> None:
         """Show it; if it has as many triangles as the last, only what differs is sent."""
+        arrays = {"position": _rows(drawing.corners), "color": _rows(drawing.colors) / np.float32(255)}
+        if morph is not None:
+            arrays["morph"] = _rows(morph.corners)
         is_alike = (
             self.object is not None
-            and self.position.array.shape == (3 * len(drawing.corners), 3)
             and self.object.material.side == _side(drawing)
+            and {name: array.shape for name, array in arrays.items()}
+            == {name: attribute.array.shape for name, attribute in self.attributes.items()}
         )
-        corners = drawing.corners.reshape(-1, 3)
-        colors = _linear(drawing.colors)
         if is_alike:
-            if not np.array_equal(self.position.array, corners):
-                self.position.array = corners
-            self.color.array = colors
+            for name, attribute in self.attributes.items():
+                if not np.array_equal(attribute.array, arrays[name]):
+                    attribute.array = arrays[name]
         else:
-            self._replace(corners, colors, drawing)
+            self._replace(arrays, _side(drawing))
         for box, text in ((self.title, _title(drawing)), (self.legend, _legend(drawing))):
             if box.value != text:
                 box.value = text
             box.layout.display = "" if text else "none"
 
-    def _replace(self, corners: Any, colors: Any, drawing: Drawing) -> None:
+    def _replace(self, arrays: dict[str, Any], side: str) -> None:
         import pythreejs as three
 
-        self.position = three.BufferAttribute(corners, normalized=False)
-        self.color = three.BufferAttribute(colors, normalized=False)
-        geometry = three.BufferGeometry(attributes={"position": self.position, "color": self.color})
-        material = three.MeshBasicMaterial(vertexColors="VertexColors", side=_side(drawing))
-        self.object = three.Mesh(geometry, material)
+        self.attributes = {name: three.BufferAttribute(array) for name, array in arrays.items()}
+        plain = {name: self.attributes[name] for name in ("position", "color")}
+        target = {"position": [self.attributes["morph"]]} if "morph" in arrays else {}
+        geometry = three.BufferGeometry(attributes=plain, morphAttributes=target)
+        material = three.MeshBasicMaterial(vertexColors="VertexColors", side=side, morphTargets=bool(target))
+        self.object = three.Mesh(geometry, material, morphTargetInfluences=[0.0] if target else [])
         self.scene.children = [self.object]
 
 
@@ -169,9 +184,9 @@ def _side(drawing: Drawing) -> str:
     return "FrontSide" if drawing.hides_back else "DoubleSide"
 
 
-def _linear(colors: Any) -> Any:
-    """As the browser takes them, (3 n_triangles, 3) float32 in 0 to 1."""
-    return (colors.reshape(-1, 3) / np.float32(255)).astype(np.float32)
+def _rows(corners: Any) -> Any:
+    """(3 n_triangles, 3) float32."""
+    return corners.reshape(-1, 3).astype(np.float32)
 
 
 def _quaternion(camera: Camera) -> tuple[float, float, float, float]:
