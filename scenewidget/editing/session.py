@@ -161,6 +161,8 @@ class Session:
         self._done: list[tuple[Step, Change | None]] = []
         self._undone: list[Edit] = []
         self._operations: list[Operation] = [Operation(time.time(), "open")]
+        if self._vocabulary != NYU40:
+            self._operations.append(Operation(time.time(), "vocabulary", names=self._vocabulary))
         self._current: Segmentation | None = None
         self._revision = 0
         self._observers: list[Callable[[Event], None]] = []
@@ -499,7 +501,8 @@ class Session:
     def is_saved(self) -> bool:
         """Whether every operation is on disk."""
         with self._lock:
-            return self._file is not None and self._n_durable == len(self._operations)
+            is_complete = self._n_durable == len(self._operations)
+            return self._file is not None and is_complete and not self._file_problem
 
     @property
     def file_problem(self) -> str:
