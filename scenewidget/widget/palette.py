@@ -21,7 +21,7 @@ UNLABELLED = -1
 # lightness and chroma of the rings of the palette, calm ones first; hues are staggered from ring to ring
 RINGS = ((0.82, 0.075), (0.74, 0.12), (0.66, 0.135), (0.89, 0.09), (0.58, 0.13))
 N_HUES = 13
-ENOUGH = 0.15  # Oklab distance beyond which more makes nothing clearer
+ENOUGH = 0.12  # Oklab distance beyond which more makes nothing clearer
 
 PROTANOPIA = np.array(
     [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]

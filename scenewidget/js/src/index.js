@@ -44,6 +44,7 @@ function render({ model, el }) {
       onFirstFrame: () => {
         root.dataset.ready = "true";
       },
+      onFailure: (error) => panel.showFailure(`The 3D view has stopped: ${messageOf(error)}`),
       onMove: () => {
         root.dataset.moving = "true";
       },
@@ -54,7 +55,7 @@ function render({ model, el }) {
     });
   } catch (error) {
     panel.showFailure(
-      `The 3D view can't be drawn: ${error instanceof Error ? error.message : error} It needs WebGL 2, which ` +
+      `The 3D view can't be drawn: ${messageOf(error)} It needs WebGL 2, which ` +
         "current browsers have; on a remote or virtual machine it may have to be switched on.",
     );
     return () => root.remove();
@@ -410,6 +411,11 @@ function legendOf(model) {
   const colors = [];
   for (let i = 0; i < 256; i += 15) colors.push(`rgb(${colormap.slice(3 * i, 3 * i + 3).join(" ")})`);
   return { ...model.get("values_legend"), colors };
+}
+
+/** @param {unknown} error */
+function messageOf(error) {
+  return error instanceof Error ? error.message : String(error);
 }
 
 /** @param {number} n @param {string} noun */

@@ -50,12 +50,14 @@ export class Viewer {
    * @param {HTMLCanvasElement} canvas
    * @param {object} events
    * @param {() => void} events.onFirstFrame
+   * @param {(error: unknown) => void} events.onFailure  nothing more will be drawn
    * @param {() => void} events.onMove  what lies under the pointer is not known for now
    * @param {() => void} events.onRest  it is known again, and may have changed
    */
-  constructor(canvas, { onFirstFrame, onMove, onRest }) {
+  constructor(canvas, { onFirstFrame, onFailure, onMove, onRest }) {
     this.canvas = canvas;
     this.onFirstFrame = onFirstFrame;
+    this.onFailure = onFailure;
     this.onMove = onMove;
     this.onRest = onRest;
     this.renderer = new SceneRenderer(canvas);
@@ -332,7 +334,15 @@ export class Viewer {
   #draw(needs = FACES) {
     if (needs === FACES) this.onMove();
     this.needs = Math.max(this.needs, needs);
-    if (!this.request) this.request = requestAnimationFrame(() => this.#frame());
+    if (this.request) return;
+    this.request = requestAnimationFrame(() => {
+      try {
+        this.#frame();
+      } catch (error) {
+        this.onFailure(error);
+        throw error;
+      }
+    });
   }
 
   #frame() {

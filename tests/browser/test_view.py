@@ -280,3 +280,34 @@ def _center(view) -> tuple[float, float]:
 def _on_page(view, place: tuple[float, float]) -> tuple[float, float]:
     box = view.root.locator("canvas").bounding_box()
     return box["x"] + place[0], box["y"] + place[1]
+
+
+def test_without_webgl_the_cell_says_so(notebook):
+    book = notebook([ROOM + "view"])
+    book.page.evaluate(
+        """() => {
+            const getContext = HTMLCanvasElement.prototype.getContext;
+            HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+                return kind === "webgl2" ? null : getContext.call(this, kind, ...rest);
+            };
+        }"""
+    )
+    book.run_all()
+    alert = book.page.locator(".scenewidget").get_by_role("alert")
+    alert.wait_for()
+    assert "needs WebGL 2" in alert.inner_text()
+
+
+def test_light_and_dark_follow_the_host(room):
+    book, view = room
+    assert view.state("theme") == "light"
+    book.page.evaluate(
+        "() => window.jupyterapp.commands.execute('apputils:change-theme', { theme: 'JupyterLab Dark' })"
+    )
+    view.wait("theme", "dark")
+    book.page.evaluate(
+        "() => window.jupyterapp.commands.execute('apputils:change-theme', { theme: 'JupyterLab Light' })"
+    )
+    view.wait("theme", "light")
+    book.execute("view.theme = 'dark'")
+    view.wait("theme", "dark")
