@@ -216,8 +216,9 @@ def test_a_task_that_is_cancelled_before_it_begins_is_reported_too():
         on_error=told.append,
         on_cancelled=lambda: told.append("cancelled"),
     )
-    gate = threading.Event()
-    worker.submit(lambda *_: gate.wait(10))
+    started, gate = threading.Event(), threading.Event()
+    worker.submit(lambda *_: started.set() or gate.wait(10))
+    assert started.wait(10)
     worker.submit(lambda *_: "never")
     worker.cancel()
     gate.set()
