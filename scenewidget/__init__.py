@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from scenewidget.evaluation import evaluate
     from scenewidget.widget.scene_view import SceneView
     from scenewidget.widget.scene_widget import SceneWidget
+    from scenewidget.widget.spectral_explorer import SpectralExplorer
 
 _HOME = {  # public name -> module that defines it; resolved on first use, so that importing stays fast
     "Mesh": "engine.mesh",
@@ -42,6 +43,7 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "segment": "engine.pipeline",
     "SceneView": "widget.scene_view",
     "SceneWidget": "widget.scene_widget",
+    "SpectralExplorer": "widget.spectral_explorer",
 }
 _MODULES = ("baselines", "datasets", "engine", "figures", "metrics")
 
@@ -55,6 +57,7 @@ __all__ = [
     "SceneWidget",
     "Segmentation",
     "Session",
+    "SpectralExplorer",
     "__version__",
     "baselines",
     "datasets",

@@ -99,7 +99,7 @@ def draw(
     max_faces: int = 30_000,
     middle: FloatArray | None = None,
 ) -> Drawing:
-    """The drawing that `show` shows; see there for the parameters, all but ``middle``: what becomes the origin."""
+    """The drawing that `show` shows; parameters as there, and ``middle``: what becomes the origin."""
     if not isinstance(mesh, Mesh):
         raise TypeError(f"mesh must be a Mesh, got {type(mesh).__name__}; load_mesh(mesh) makes one")
     if sum(given is not None for given in (labels, values, colors)) > 1:

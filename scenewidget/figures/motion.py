@@ -142,7 +142,7 @@ class Vibration(Figure):
 
 
 def displaced(mesh: Mesh, heights: FloatArray) -> Mesh:
-    """The mesh with each vertex moved along its normal (the area-weighted mean of its faces) by its height."""
+    """The mesh with each vertex moved by its height along its normal, the mean of its faces' by area."""
     corners = mesh.vertices[mesh.faces]
     normals = np.zeros((mesh.n_vertices, 3))
     normals[mesh.faces] = corner_normals(corners, mesh.faces, smooth=True)

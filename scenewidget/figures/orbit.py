@@ -74,20 +74,21 @@ class Figure:
         if len(drawings) != len(self.drawings):
             raise ValueError(f"figure must have {len(self.drawings)} panels, got {len(drawings)}")
         self.drawings = drawings
-        if "widget" in vars(self):
-            for panel, drawing in zip(self._panels, drawings):
+        if "panels" in vars(self):
+            for panel, drawing in zip(self.panels, drawings):
                 panel.draw(drawing)
 
     @cached_property
     def widget(self) -> Any:
         """The figure as an ipywidgets widget."""
         row = widgets.HBox(
-            [panel.widget for panel in self._panels], layout=widgets.Layout(flex_flow="row wrap")
+            [panel.widget for panel in self.panels], layout=widgets.Layout(flex_flow="row wrap")
         )
-        return row if len(self._panels) > 1 else self._panels[0].widget
+        return row if len(self.panels) > 1 else self.panels[0].widget
 
     @cached_property
-    def _panels(self) -> list[Panel]:
+    def panels(self) -> list[Panel]:
+        """What the browser draws, one for each drawing."""
         camera, controls = self._camera
         return [Panel(drawing, camera, controls, self.width, self.height) for drawing in self.drawings]
 

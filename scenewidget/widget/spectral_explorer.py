@@ -1,0 +1,265 @@
+"""The spectrum of a mesh to be played with: eigenfunctions, low-pass shapes, heat, on sliders.
+
+`SpectralExplorer` holds traits and sliders and asks the engine for eigenpairs, once for each Laplacian;
+what the sliders then show are sums over them, a few milliseconds each.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ipywidgets as widgets
+import numpy as np
+import traitlets
+
+from scenewidget.engine.features import heat_kernel_signature, heat_kernel_times
+from scenewidget.engine.mesh import FloatArray, Mesh, load_mesh
+from scenewidget.engine.operators import Eigenbasis, LaplacianKind, eigenbasis
+from scenewidget.figures.drawing import Drawing, at_most, draw
+from scenewidget.figures.orbit import Figure
+
+__all__ = ["SpectralExplorer", "heat_from", "low_pass"]
+
+MODES = {  # label, and the sliders that it needs
+    "eigenfunction": ("Eigenfunction", ("index",)),
+    "low pass": ("Low-pass shape", ("n_functions",)),
+    "heat": ("Heat from a point", ("time", "source")),
+    "signature": ("Heat kernel signature", ("time",)),
+}
+KINDS = ("cotangent", "uniform")
+SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+
+
+def low_pass(basis: Eigenbasis, values: FloatArray, n_functions: int) -> FloatArray:
+    """Values rebuilt from the first eigenfunctions alone: Σ_i φ_i ⟨φ_i, values⟩, i < n_functions.
+
+    Parameters
+    ----------
+    basis : Eigenbasis
+        Of the whole mesh, not per component.
+    values : (n_vertices, d) or (n_vertices,) float
+    n_functions : int
+        From 1 (the mean, on a connected mesh) to ``basis.k``.
+    """
+    phi = basis.vectors[:, :n_functions]
+    weighted = basis.mass[:, None] * values if values.ndim == 2 else basis.mass * values
+    rebuilt: FloatArray = phi @ (phi.T @ weighted)
+    return rebuilt
+
+
+def heat_from(basis: Eigenbasis, vertex: int, time: float) -> FloatArray:
+    """Heat at each vertex after a time, started as a unit at one: Σ_i exp(−λ_i t) φ_i(vertex) φ_i.
+
+    A basis with few eigenpairs can't hold a sharp point: at short times there are ripples below 0.
+    """
+    heat: FloatArray = basis.vectors @ (np.exp(-basis.values * time) * basis.vectors[vertex])
+    return heat
+
+
+class SpectralExplorer(widgets.VBox):
+    """A mesh with sliders through its spectrum; it displays itself as the last value of a cell.
+
+    Left drag turns the mesh; a double click on it moves the source of the heat there.
+
+    Parameters
+    ----------
+    mesh : Mesh, path, trimesh.Trimesh or (vertices, faces)
+        With more faces than ``max_faces`` it is simplified first; the explorer says so.
+    k : int
+        Number of eigenpairs; the constant one counts.
+    laplacian : "cotangent" or "uniform"
+    max_faces : int
+        10 000 answer within a tenth of a second.
+    width, height : int
+        Pixels of the picture.
+
+    Attributes
+    ----------
+    mode : "eigenfunction", "low pass", "heat" or "signature"
+        What is shown: φ_index; the shape rebuilt from the first ``n_functions`` eigenfunctions, coloured by
+        how far it moved; heat spread from ``source`` after ``time``; heat left where it started.
+    index, n_functions, source : int
+    time : float
+        Square metres (cotangent), steps (uniform).
+    laplacian : str
+        Set any of these, or observe it.
+    mesh : Mesh
+        What is looked at.
+    basis : Eigenbasis
+        Of ``laplacian``; the first use of each takes a second at 10 000 faces.
+    values : (n_vertices,) float64
+        The numbers on show.
+    vertices : (n_vertices, 3) float64
+        The shape on show.
+    """
+
+    mode = traitlets.Enum(tuple(MODES), "eigenfunction")
+    index = traitlets.Int(1, min=0)
+    n_functions = traitlets.Int(20, min=1)
+    source = traitlets.Int(0, min=0)
+    time = traitlets.Float(1.0, min=0.0)
+    laplacian = traitlets.Enum(KINDS, "cotangent")
+
+    def __init__(
+        self,
+        mesh: Mesh | Any,
+        *,
+        k: int = 100,
+        laplacian: LaplacianKind = "cotangent",
+        max_faces: int = 10_000,
+        width: int = 640,
+        height: int = 420,
+    ) -> None:
+        given = load_mesh(mesh)
+        self.mesh, _ = at_most(given, max_faces)
+        self._note = ""
+        if self.mesh is not given:
+            self._note = f"simplified from {given.n_faces} to {self.mesh.n_faces} faces"
+        self._k = k
+        self._bases: dict[str, Eigenbasis] = {}
+        super().__init__(laplacian=laplacian)
+        self.set_trait("source", int(self.mesh.faces[0, 0]))
+        self._make_controls()
+        self._take_basis()
+        self.figure = Figure([self._drawing()], width=width, height=height)
+        self.children = [self._picture(), widgets.HBox([self._mode, self._kind]), *self._sliders.values()]
+        self.observe(self._take_basis, "laplacian")
+        self.observe(self._redraw, ["mode", "index", "n_functions", "source", "time", "laplacian"])
+        self._show_sliders()
+
+    def __repr__(self) -> str:
+        return f"SpectralExplorer({self.mesh.n_faces} faces, {self.basis.k} eigenfunctions)"
+
+    def _repr_mimebundle_(self, **options: Any) -> dict[str, Any]:
+        from base64 import b64encode
+
+        bundle = super()._repr_mimebundle_(**options) or {}
+        return {**bundle, "image/png": b64encode(self.figure.png()).decode()}
+
+    @property
+    def basis(self) -> Eigenbasis:
+        """Eigenpairs of the chosen Laplacian."""
+        kind: Any = self.laplacian
+        if kind not in self._bases:
+            self._bases[kind] = eigenbasis(self.mesh, self._k, laplacian=kind)
+        return self._bases[kind]
+
+    @property
+    def vertices(self) -> FloatArray:
+        """(n_vertices, 3) the shape on show."""
+        if self.mode != "low pass":
+            return self.mesh.vertices
+        return low_pass(self.basis, self.mesh.vertices, self.n_functions)
+
+    @property
+    def values(self) -> FloatArray:
+        """(n_vertices,) the numbers on show."""
+        if self.mode == "eigenfunction":
+            return self.basis.vectors[:, self.index]
+        if self.mode == "low pass":
+            moved: FloatArray = np.linalg.norm(self.vertices - self.mesh.vertices, axis=1)
+            return moved
+        if self.mode == "heat":
+            return heat_from(self.basis, self.source, self.time)
+        return heat_kernel_signature(self.basis, np.array([self.time]))[:, 0]
+
+    def _drawing(self) -> Drawing:
+        basis, mode = self.basis, self.mode
+        meter = self.laplacian == "cotangent"
+        title, unit = {
+            "eigenfunction": (
+                f"φ{str(self.index).translate(SUBSCRIPTS)},  λ = {basis.values[self.index]:.4g}"
+                + (" 1/m²" if meter else ""),
+                "φ",
+            ),
+            "low pass": (f"the shape from {self.n_functions} of {basis.k} eigenfunctions", "moved by, m"),
+            "heat": (f"heat from vertex {self.source} after t = {self.time:.3g}" + " m²" * meter, "heat"),
+            "signature": (f"heat left where it started after t = {self.time:.3g}" + " m²" * meter, "HKS"),
+        }[mode]
+        values = self.values
+        shape = Mesh(self.vertices, self.mesh.faces) if mode == "low pass" else self.mesh
+        return draw(
+            shape, values=values, title=title, scale_title=unit, max_faces=shape.n_faces,
+            low=None if mode in ("eigenfunction", "signature") else 0.0,
+            high=float(np.quantile(values, 0.995)) or None if mode == "heat" else None,
+            points=[self.source] if mode == "heat" else None,
+            middle=self._middle, back_faces=True if mode == "low pass" else None,
+        )  # fmt: skip
+
+    @traitlets.validate("index", "n_functions", "source")
+    def _inside(self, proposal: dict[str, Any]) -> int:
+        name, value = proposal["trait"].name, int(proposal["value"])
+        most = {
+            "index": self.basis.k - 1,
+            "n_functions": self.basis.k,
+            "source": self.mesh.n_vertices - 1,
+        }[name]
+        if value > most:
+            raise traitlets.TraitError(f"{name} must be at most {most}, got {value}")
+        return value
+
+    # --- sliders ------------------------------------------------------------------------------------
+
+    def _make_controls(self) -> None:
+        low, high = (end(self.mesh.vertices[self.mesh.faces], axis=(0, 1)) for end in (np.min, np.max))
+        self._middle = (low + high) / 2
+        wide = {"layout": widgets.Layout(width="460px"), "style": {"description_width": "150px"}}
+        last = self.basis.k - 1
+        self.set_trait("index", min(self.index, last))
+        self.set_trait("n_functions", min(self.n_functions, last + 1))
+        self._mode = widgets.Dropdown(
+            options=[(label, name) for name, (label, _) in MODES.items()], description="Show", **wide
+        )
+        self._kind = widgets.ToggleButtons(options=KINDS, style={"button_width": "90px"})
+        self._sliders = {
+            "index": widgets.IntSlider(self.index, 0, last, description="Eigenfunction", **wide),
+            "n_functions": widgets.IntSlider(
+                self.n_functions, 1, last + 1, description="Basis functions", **wide
+            ),
+            "time": widgets.FloatLogSlider(
+                1.0, min=-9, max=9, step=0.02, description="Diffusion time t", readout_format=".3g", **wide
+            ),
+            "source": widgets.BoundedIntText(
+                self.source, 0, self.mesh.n_vertices - 1, description="Source vertex", **wide
+            ),
+        }
+        traitlets.link((self, "mode"), (self._mode, "value"))
+        traitlets.link((self, "laplacian"), (self._kind, "value"))
+        for name, slider in self._sliders.items():
+            traitlets.link((self, name), (slider, "value"))
+        self._remark = widgets.HTML(self._note)
+
+    def _picture(self) -> Any:
+        import pythreejs as three
+
+        picture = self.figure.widget
+        panel = self.figure.panels[0]
+        picker = three.Picker(controlling=panel.scene, event="dblclick")
+        picker.observe(self._move_source, "point")
+        panel.renderer.controls = [*panel.renderer.controls, picker]
+        return widgets.VBox([picture, self._remark]) if self._note else picture
+
+    def _move_source(self, change: dict[str, Any]) -> None:
+        if change["owner"].faceIndex is None:
+            return
+        place = np.array(change["new"]) + self._middle
+        used = np.unique(self.mesh.faces)
+        self.source = int(used[np.linalg.norm(self.vertices[used] - place, axis=1).argmin()])
+
+    def _take_basis(self, _: Any = None) -> None:
+        """Give the time slider the range of this Laplacian's eigenvalues."""
+        times = heat_kernel_times(self.basis, 3)
+        slider = self._sliders["time"]
+        slider.min, slider.max = -99, 99
+        self.time = float(times[1])
+        slider.min, slider.max = np.log10(times[0] / 10), np.log10(times[2])
+
+    def _redraw(self, change: dict[str, Any]) -> None:
+        if change["name"] in self._sliders and change["name"] not in MODES[self.mode][1]:
+            return
+        self._show_sliders()
+        self.figure.redraw(self._drawing())
+
+    def _show_sliders(self) -> None:
+        for name, slider in self._sliders.items():
+            slider.layout.display = "" if name in MODES[self.mode][1] else "none"
