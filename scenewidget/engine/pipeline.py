@@ -177,8 +177,9 @@ class Pipeline:
         start = time.perf_counter()
         value = stage.run(self.mesh, *inputs, monitor=monitor, **dict(stage.options))
         timings[name] = time.perf_counter() - start
-        monitor.finish()
         self._remember(key, value)
+        monitor.tick()  # a cancel that came during the last loop is heard before the stage counts as done
+        monitor.finish()
         return value
 
     def _remember(self, key: Hashable, value: Any) -> None:
@@ -211,7 +212,11 @@ def _n_bytes(value: Any, seen: set[int] | None = None) -> int:
         return 0
     seen.add(id(value))
     if isinstance(value, np.ndarray):
-        return 0 if value.base is not None else value.nbytes
+        if isinstance(
+            value.base, np.ndarray
+        ):  # a view; what compiled code returns has a base too, of its own
+            return _n_bytes(value.base, seen)
+        return value.nbytes
     if sparse.issparse(value):
         return sum(_n_bytes(v, seen) for v in vars(value).values())
     if isinstance(value, (tuple, list)):
@@ -262,7 +267,7 @@ def stages(params: Params) -> dict[str, Stage]:
             a=p.cost_a,
             b=p.cost_b,
             exponent=p.cost_exponent,
-            feature_floor=p.feature_floor,
+            feature_floor=p.feature_floor if feature else 0.0,
             convex_weights=p.convex_weights if p.n_runs else (),
             hop=p.hop,
             travel=p.travel,
@@ -293,7 +298,7 @@ def stages(params: Params) -> dict[str, Stage]:
                 "coassociation",
                 "tree",
                 n_segments=p.n_segments,
-                similarity=p.linkage_similarity,
+                similarity=p.linkage_similarity if p.n_segments == "auto" else None,
             )
         )
     elif p.consensus == "median":
@@ -513,7 +518,7 @@ def _consensus_linkage(
     *,
     monitor: Monitor,
     n_segments: Any,
-    similarity: float,
+    similarity: float | None,
 ) -> IntArray:
     if n_segments == "auto":
         return cut_tree(tree, similarity=similarity)

@@ -1,0 +1,377 @@
+"""The whole path: what a change recomputes, cancel, progress, threads, memory; scenes with known answers."""
+
+import gc
+import threading
+import time
+import warnings
+
+import numpy as np
+import pytest
+import shapes
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sklearn.metrics import adjusted_rand_score
+from strategies import nasty_meshes
+
+from scenewidget.engine import pipeline
+from scenewidget.engine.mesh import Mesh, MeshError
+from scenewidget.engine.monitor import Cancelled
+from scenewidget.engine.params import Params
+from scenewidget.engine.pipeline import Pipeline, segment, stages
+from scenewidget.engine.segmentation import Segmentation
+
+BLOB = Mesh(0.3 * shapes.blob(3).vertices, shapes.blob(3).faces)
+ROOM = shapes.joined(shapes.room(8, noise=0.003)[0], BLOB)  # something round: many superfacets
+FAST = Params(n_items=1000, n_segments=12, k_range=(20, 30), n_runs=4, n_graph_runs=4)
+FAITHFUL = Params.thesis(n_segments=12, n_items=400, k_range=(20, 30), n_runs=4)
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*:UserWarning")
+
+
+def same(a, b):
+    np.testing.assert_array_equal(a.labels, b.labels)
+    np.testing.assert_array_equal(a.confidence, b.confidence)
+    np.testing.assert_array_equal(a.face_map, b.face_map)
+    for level in ("dihedral", "base", "final"):
+        np.testing.assert_array_equal(a.level(level), b.level(level))
+    assert a.report == b.report
+
+
+# --- the memo -------------------------------------------------------------------------------------
+
+CHANGES = [
+    {"n_segments": 5},
+    {"n_segments": "auto"},
+    {"k_range": (10, 15)},
+    {"cost_exponent": 1.75},
+    {"hop": 0.1},
+    {"convex_weights": (1.0,)},
+    {"n_runs": 2},
+    {"n_graph_runs": 0},
+    {"consensus": "linkage"},
+    {"consensus": "median"},
+    {"consensus": "peac"},
+    {"leftover": "argmax"},
+    {"allocation": "faces"},
+    {"merge": True},
+    {"feature": "cotangent"},
+    {"feature": "normals"},
+    {"items": "simplified"},
+    {"items": "superfacets"},
+    {"n_items": 300},
+    {"min_area": 0.3},
+    {"join_planes": False},
+    {"seed": 3},
+]
+
+
+@given(st.lists(st.sampled_from(CHANGES), min_size=1, max_size=5), st.booleans(), st.sampled_from([2e9, 3e5]))
+@settings(max_examples=15)
+def test_after_any_walk_of_changes_the_memo_gives_what_a_fresh_run_gives(walk, faithful, memory):
+    params = FAITHFUL if faithful else FAST
+    pipe = Pipeline(ROOM, memory=memory)
+    pipe.run(params)
+    for change in walk:
+        params = params.replace(**change)
+        result = pipe.run(params)
+    same(result, segment(ROOM, params))
+
+
+ENSEMBLE = {"ensemble", "coassociation", "tree", "consensus", "segmentation"}
+DISTANCES = {"distances"} | ENSEMBLE
+ITEMS = {"items", "dihedral", "allocation"} | DISTANCES
+
+
+def recomputed(pipe, params):
+    heard = []
+    pipe.run(params, progress=lambda stage, fraction: heard.append(stage))
+    return set(heard)
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({}, set()),
+        ({"n_segments": 20}, {"consensus", "segmentation"}),
+        ({"n_segments": "auto"}, {"consensus", "segmentation"}),
+        ({"consensus": "median"}, {"consensus", "segmentation"}),
+        ({"consensus": "peac"}, {"consensus", "segmentation"}),
+        ({"min_area": 0.5}, {"segmentation"}),
+        ({"join_planes": False}, {"segmentation"}),
+        ({"k_range": (5, 9)}, ENSEMBLE),
+        ({"n_runs": 3}, ENSEMBLE),
+        ({"n_graph_runs": 3}, ENSEMBLE),
+        ({"seed": 1}, ENSEMBLE),
+        ({"merge": True}, ENSEMBLE),
+        ({"init": "outmost"}, ENSEMBLE),
+        ({"allocation": "same"}, {"allocation"} | ENSEMBLE),
+        ({"cost_exponent": 1.5}, DISTANCES),
+        ({"cost_a": 1.1}, DISTANCES),
+        ({"cost_b": -0.9}, DISTANCES),
+        ({"travel": 0.1}, DISTANCES),
+        ({"convex_weights": (0.3,)}, DISTANCES),
+        ({"feature": "uniform"}, {"features"} | DISTANCES),
+        ({"feature": "hks", "n_eigenpairs": 10}, {"eigenbasis", "features"} | DISTANCES),
+        ({"n_slots": 32}, {"dihedral", "allocation"} | ENSEMBLE),
+        ({"bridge": 0.01}, ITEMS),
+        ({"n_items": 900}, ITEMS),
+        ({"items": "simplified"}, ITEMS),
+        # options that nothing in this preset looks at
+        ({"leftover": "argmax"}, set()),
+        ({"linkage_similarity": 0.5}, set()),
+        ({"simplifier": "qslim"}, set()),
+        ({"laplacian": "robust"}, set()),
+        ({"n_eigenpairs": 20}, set()),
+        ({"feature_floor": 0.5}, set()),
+        ({"merge_normal": 0.5}, set()),
+    ],
+)
+def test_a_change_recomputes_exactly_what_depends_on_it(change, expected):
+    pipe = Pipeline(ROOM)
+    assert recomputed(pipe, FAST) == {"adjacency"} | ITEMS
+    assert recomputed(pipe, FAST.replace(**change)) == expected
+    assert recomputed(pipe, FAST) == set()
+
+
+def test_k_follows_the_number_of_segments_where_no_range_is_given():
+    pipe = Pipeline(ROOM)
+    free = FAST.replace(k_range=None)
+    pipe.run(free)
+    assert recomputed(pipe, free.replace(n_segments=8)) == ENSEMBLE
+
+
+def test_timings_are_of_this_call():
+    pipe = Pipeline(ROOM)
+    assert min(pipe.run(FAST).timings.values()) > 0
+    again = pipe.run(FAST)
+    assert set(again.timings.values()) == {0.0}
+
+
+@pytest.mark.parametrize("params", [FAST, FAITHFUL])
+def test_the_memo_stays_within_its_bytes_and_counts_the_large_matrices(params):
+    pipe = Pipeline(ROOM)
+    pipe.run(params)
+    n = pipe.get("items", params).n
+    assert sum(pipe._sizes.values()) > 4 * n * n + pipe.get("coassociation", params).C.nbytes
+    small = Pipeline(ROOM, memory=1e6)
+    for seed in range(5):
+        small.run(params.replace(seed=seed))
+        largest = max(small._sizes.values())
+        assert sum(small._sizes.values()) <= max(1e6, largest)
+    same(small.run(params), pipe.run(params))
+    pipe.clear()
+    assert not pipe._memo
+
+
+def test_results_are_freed_with_their_pipeline():
+    pipe = Pipeline(ROOM)
+    pipe.run(FAST)
+    before = sum(isinstance(o, Segmentation) for o in gc.get_objects())
+    del pipe
+    gc.collect()
+    assert sum(isinstance(o, Segmentation) for o in gc.get_objects()) < before
+
+
+# --- progress and cancel --------------------------------------------------------------------------
+
+VARIANTS = {
+    "default": FAST,
+    "thesis": FAITHFUL,
+    "spectral": FAITHFUL.replace(feature="gps", n_eigenpairs=10),
+    "median": FAST.replace(consensus="median"),
+}
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_progress_names_every_stage_once_in_order_and_never_falls(name):
+    heard = []
+    Pipeline(ROOM).run(VARIANTS[name], progress=lambda *step: heard.append(step))
+    order = list(dict.fromkeys(stage for stage, _ in heard))
+    assert set(order) == set(stages(VARIANTS[name]))
+    assert [stage for stage, _ in heard] == sorted((s for s, _ in heard), key=order.index)
+    for stage in order:
+        fractions = [fraction for s, fraction in heard if s == stage]
+        assert (fractions[0], fractions[-1]) == (0.0, 1.0)
+        assert fractions == sorted(fractions)
+
+
+@pytest.mark.parametrize(("name", "stage"), [(n, s) for n, p in VARIANTS.items() for s in stages(p)])
+def test_cancel_in_any_stage_stops_at_once_and_leaves_the_memo_right(name, stage):
+    cancel, when = threading.Event(), []
+
+    def progress(now, fraction):
+        if now == stage and not cancel.is_set():
+            when.append(time.monotonic())
+            cancel.set()
+
+    pipe = Pipeline(ROOM)
+    with pytest.raises(Cancelled, match=stage):
+        pipe.run(VARIANTS[name], progress=progress, cancel=cancel)
+    assert time.monotonic() - when[0] < 0.5
+    same(pipe.run(VARIANTS[name]), EXPECTED[name]())
+
+
+class Once:
+    """A result computed when it is first asked for."""
+
+    def __init__(self, params):
+        self.params, self.result = params, None
+
+    def __call__(self):
+        if self.result is None:
+            self.result = segment(ROOM, self.params)
+        return self.result
+
+
+EXPECTED = {name: Once(params) for name, params in VARIANTS.items()}
+
+
+def test_two_threads_may_use_one_pipeline():
+    pipe, results = Pipeline(ROOM), {}
+
+    def work(i):
+        results[i] = pipe.run(FAST.replace(seed=i % 2))
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for i in range(4):
+        same(results[i], segment(ROOM, FAST.replace(seed=i % 2)))
+
+
+@pytest.mark.parametrize("params", [FAST, FAITHFUL])
+def test_same_seed_same_labels_for_any_number_of_threads(params, monkeypatch):
+    expected = segment(ROOM, params)
+    for n_threads in (1, 2, 4):
+        monkeypatch.setattr(pipeline, "_n_threads", lambda n=n_threads: n)
+        same(segment(ROOM, params), expected)
+    other = segment(ROOM, params.replace(seed=1))
+    assert not np.array_equal(other.level("base"), expected.level("base"))
+
+
+# --- asking for one stage -------------------------------------------------------------------------
+
+
+def test_any_stage_can_be_asked_for():
+    pipe = Pipeline(ROOM)
+    for stage in stages(FAST):
+        assert pipe.get(stage, FAST) is pipe.get(stage, FAST)
+    assert pipe.get("eigenbasis", FAST.replace(n_eigenpairs=5)).vectors.shape[0] == ROOM.n_vertices
+    assert repr(pipe) == f"Pipeline({ROOM!r})"
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda: Pipeline(ROOM).get("nothing"), ValueError, "stage must be one of 'adjacency', 'items'"),
+        (lambda: Pipeline(ROOM).run({"n_segments": 3}), TypeError, "params must be a Params, got dict"),
+        (lambda: segment(None), TypeError, "mesh must be a path"),
+        (lambda: segment("missing.ply"), FileNotFoundError, "does not exist"),
+        (lambda: segment(([[0, 0, 0]], [[0, 0, 1]])), MeshError, "does not exist"),
+        (lambda: segment(ROOM, progress=3), TypeError, "progress must be callable"),
+        (lambda: segment(ROOM, cancel=3), TypeError, "cancel must be a threading.Event"),
+    ],
+)
+def test_bad_arguments_are_refused_before_any_work(call, error, message, monkeypatch):
+    monkeypatch.setattr(pipeline, "_adjacency", lambda *_, **__: pytest.fail("work began"))
+    with pytest.raises(error, match=message):
+        call()
+
+
+# --- scenes with known answers --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "params",
+    [
+        Params(),
+        Params(n_segments=12),
+        Params(consensus="median"),
+        Params(consensus="peac", n_segments=12),
+        Params.thesis(n_segments=12),
+        Params.thesis(n_segments=12, feature_floor=0.05),
+    ],
+)
+def test_floor_walls_ceiling_and_table_of_a_room_come_out_right(params):
+    mesh, parts = shapes.room(16, noise=0.003)
+    seg = segment(mesh, params)
+    assert adjusted_rand_score(parts, seg.labels) > 0.99
+    assert seg.labels.min() == 0
+    frame = seg.to_frame()
+    floor = frame.loc[seg.labels[parts == 4][0]]
+    assert floor.area == pytest.approx(12, rel=0.05)
+    assert floor.normal[2] == pytest.approx(1, abs=0.02)
+    assert (np.diff(frame.area) <= 1e-9).all()
+
+
+@pytest.mark.parametrize("params", [Params(), Params.thesis(feature_floor=0.05)])
+def test_the_sides_of_a_box_are_its_segments(params):
+    for mesh in (shapes.box(1), shapes.box(10), shapes.soup(shapes.box(10))):
+        seg = segment(mesh, params.replace(n_segments=6))
+        assert adjusted_rand_score(shapes._side(mesh), seg.labels) > 0.99
+
+
+@pytest.mark.parametrize("params", [Params(), Params.thesis()])
+def test_the_smallest_meshes(params):
+    one = segment(shapes.triangle(), params)
+    assert one.labels.tolist() == [0]
+    assert one.to_frame().area.tolist() == [6]
+    apart = segment(shapes.joined(shapes.triangle(), shapes.triangle(), gap=10.0), params)
+    assert apart.labels[0] != apart.labels[1] or params.join_planes  # one floor in two pieces
+    assert segment(shapes.tetrahedron(), params).n_segments == 4
+    assert segment(shapes.grid_square(20, size=4.0), params).n_segments == 1
+
+
+@pytest.mark.parametrize("params", [FAST, FAITHFUL])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_moving_a_room_changes_no_segment(params, seed):
+    """Up to names. Lengths are metres: scaling may change bridges, planes and the least area."""
+    moved = segment(shapes.moved(ROOM, seed=seed), params)
+    assert (
+        adjusted_rand_score(EXPECTED["default" if params is FAST else "thesis"]().labels, moved.labels) > 0.97
+    )
+
+
+def test_without_lengths_in_metres_scale_changes_nothing():
+    params = FAST.replace(bridge=0.0, travel=0.0, min_area=0.0, join_planes=False, n_graph_runs=0)
+    scaled = segment(Mesh(8.0 * ROOM.vertices, ROOM.faces), params)
+    assert adjusted_rand_score(segment(ROOM, params).labels, scaled.labels) == 1.0
+
+
+def test_the_order_of_faces_of_a_clean_room_does_not_matter():
+    mesh, parts = shapes.room(12)
+    order = np.random.default_rng(0).permutation(mesh.n_faces)
+    seg = segment(shapes.with_faces_in_order(mesh, order), FAST)
+    assert adjusted_rand_score(parts[order], seg.labels) == 1.0
+
+
+def test_a_scan_in_dust_says_how_little_it_could_label():
+    with pytest.warns(UserWarning, match=r"only 0\.3% of the faces are labeled.*items='superfacets'"):
+        segment(shapes.fragments(300), Params.thesis())
+
+
+@given(nasty_meshes(), st.sampled_from(["default", "thesis", "spectral", "median"]))
+@settings(max_examples=60)
+def test_any_mesh_gives_a_sound_segmentation_or_a_mesh_error(mesh, name):
+    params = VARIANTS[name].replace(n_segments=4, k_range=(5, 8), n_runs=2)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            seg = segment(mesh, params)
+        except MeshError:
+            assert not mesh.face_areas.any()
+            return
+    assert seg.labels.shape == (mesh.n_faces,)
+    assert seg.labels.dtype == np.int32
+    assert set(seg.labels[seg.labels >= 0].tolist()) == set(range(seg.n_segments))
+    assert ((seg.labels < 0) == (seg.face_map < 0)).all()
+    dropped = sum(v for k, v in seg.report.items() if k.startswith("faces "))
+    assert (seg.labels < 0).sum() <= dropped + (0 if params.items == "superfacets" else mesh.n_faces)
+    assert np.isfinite(seg.confidence).all()
+    assert (seg.confidence[seg.labels < 0] == 0).all()
+    area = seg.to_frame().area.to_numpy()
+    assert (np.diff(area) <= 1e-9 * area[0]).all()
+    for level in ("dihedral", "base"):
+        assert (seg.level(level)[seg.labels >= 0] >= 0).all()
