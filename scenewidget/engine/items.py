@@ -172,7 +172,7 @@ def superfacet_items(
     crumb = size * float(np.median(mesh.face_areas))
     while True:
         label = felzenszwalb(mesh.n_faces, links, weights, threshold=threshold, min_size=size, order=order)
-        count, area = np.bincount(label), np.bincount(label, mesh.face_areas)
+        count, area = np.bincount(label), np.bincount(label, mesh.face_areas).astype(np.float64)
         # what is still below the minimum has no neighbour within reach: crumbs that float in the air
         is_kept = ((count >= size) | (area >= crumb)) & (area > 0)
         if is_kept.sum() <= n_items or size > mesh.n_faces:
@@ -181,13 +181,15 @@ def superfacet_items(
         monitor.tick(0.8)
     is_kept = _with_crumbs(is_kept, count, area, n_items)
     item = np.where(is_kept, np.cumsum(is_kept) - 1, -1).astype(np.int32)[label]
+    face_map = _with_specks(mesh, item, bridge)
     report = {
         "superfacets": int(is_kept.sum()),
         "smallest superfacet in faces": int(size),
-        "faces floating free of everything": int(count[~is_kept].sum()),
+        "faces of specks given to the nearest superfacet": int((face_map != item).sum()),
+        "faces floating free of everything": int((face_map < 0).sum()),
         "bridges between fragments": len(bridges),
     }
-    return _build(mesh, item, item, links, normals, report)
+    return _build(mesh, item, face_map, links, normals, report)
 
 
 def _with_crumbs(is_kept: BoolArray, count: IntArray, area: FloatArray, n_items: int) -> BoolArray:
@@ -208,6 +210,23 @@ def _with_crumbs(is_kept: BoolArray, count: IntArray, area: FloatArray, n_items:
     return is_kept
 
 
+def _with_specks(mesh: Mesh, item: IntArray, reach: float) -> IntArray:
+    """Map of all faces to items in which the faces of no item have the nearest one, if within reach.
+
+    Specks that hover before a surface without touching it get its label, but don't shape the item.
+    """
+    lost, kept = np.flatnonzero(item < 0), np.flatnonzero(item >= 0)
+    if len(lost) == 0 or reach <= 0:
+        return item
+    targets = kept[:: max(1, len(kept) // 400_000)]  # a coarse look is enough at this distance
+    distance, near = cKDTree(mesh.face_centroids[targets]).query(
+        mesh.face_centroids[lost], distance_upper_bound=reach, workers=-1
+    )
+    face_map = item.copy()
+    face_map[lost] = np.where(np.isfinite(distance), np.append(item[targets], -1)[near], -1)
+    return face_map
+
+
 def find_bridges(mesh: Mesh, pairs: IntArray, reach: float) -> IntArray:
     """Pairs of border faces of different components that lie close to each other.
 
@@ -223,36 +242,48 @@ def find_bridges(mesh: Mesh, pairs: IntArray, reach: float) -> IntArray:
     -------
     bridges : (n_bridges, 2) int32
         For each border face of a component other than the largest its nearest border face of another
-        component, if within reach. Of mutual finds one is kept.
+        component, if within reach; then the same for the components that these bridges make, until no
+        component finds another.
     """
-    n_components, component = connected_components(mesh.n_faces, pairs)
-    if n_components == 1 or reach <= 0:
-        return np.empty((0, 2), dtype=np.int32)
     border = np.flatnonzero(np.bincount(pairs.ravel(), minlength=mesh.n_faces) < 3)
-    if len(border) == 0:
-        return np.empty((0, 2), dtype=np.int32)
-    points, home = mesh.face_centroids[border], component[border]
+    bridges: IntArray = np.empty((0, 2), dtype=np.int32)
+    if len(border) == 0 or reach <= 0:
+        return bridges
+    points = mesh.face_centroids[border]
     tree = cKDTree(points)
-    largest = np.bincount(component).argmax()
-    asking = np.flatnonzero(home != largest)
+    while True:  # crumbs first find each other: then their groups look further, and so on
+        n_components, component = connected_components(mesh.n_faces, np.concatenate([pairs, bridges]))
+        if n_components == 1:
+            return bridges
+        home = component[border]
+        asking = np.flatnonzero(home != np.bincount(component).argmax())
+        found = border[_nearest_elsewhere(tree, points, home, asking, reach)]
+        if len(found) == 0:
+            return bridges
+        found = np.concatenate([bridges, np.sort(found, axis=1)])
+        bridges = np.unique(found, axis=0).astype(np.int32)
+
+
+def _nearest_elsewhere(
+    tree: cKDTree, points: FloatArray, home: IntArray, asking: IntArray, reach: float
+) -> IntArray:
+    """(n_found, 2) of those points that ask, the ones that have a point of another home within reach."""
     found = [np.empty((0, 2), dtype=np.int64)]
     k = 4
-    while len(asking):  # look among more and more neighbours until one belongs to another component
-        k = min(k, len(border))
+    while len(asking):  # look among more and more neighbours until one belongs elsewhere
+        k = min(k, len(points))
         distance, near = tree.query(points[asking], k=k, distance_upper_bound=reach, workers=-1)
         distance, near = distance.reshape(len(asking), -1), near.reshape(len(asking), -1)
         is_other = np.isfinite(distance)
-        is_other &= np.append(home, -1)[np.minimum(near, len(border))] != home[asking][:, None]
+        is_other &= np.append(home, -1)[np.minimum(near, len(points))] != home[asking][:, None]
         hit = is_other.any(axis=1)
         first = is_other.argmax(axis=1)
         found.append(np.stack([asking[hit], near[hit, first[hit]]], axis=1))
-        is_exhausted = ~np.isfinite(distance[:, -1]) if k < len(border) else np.ones(len(asking), bool)
-        asking = asking[~hit & ~is_exhausted]
-        if k >= 256:
-            break  # its own component fills the neighbourhood: it is not a small fragment there
+        if k >= min(256, len(points)):
+            break  # its own home fills the neighbourhood: no small fragment there
+        asking = asking[~hit & np.isfinite(distance[:, -1])]
         k *= 4
-    pairs_found = np.sort(border[np.concatenate(found)], axis=1)
-    return np.unique(pairs_found, axis=0).astype(np.int32)
+    return np.concatenate(found)
 
 
 def _build(
