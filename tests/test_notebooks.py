@@ -33,4 +33,5 @@ def test_it_is_small_and_names_no_machine(path):
 def test_it_prints_no_timings(path):
     for cell in json.loads(path.read_text())["cells"]:
         for output in cell.get("outputs", []):
+            output.get("data", {}).pop("image/png", None)  # its base64 spells anything
             assert not re.search(r"\d(?:\.\d+)? ?(?:ms|s|seconds)\b", json.dumps(output)), cell["id"]
