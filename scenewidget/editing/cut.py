@@ -29,7 +29,9 @@ CONVEX = 0.5  # what a convex crease counts beside a concave one
 TURN = 3.0  # edges that a mean turn of the normal is worth in the distance
 STEEP = 3.0  # how fast creases get cheap
 MIDDLE = 5.0  # boundaries near a seed are dearer, or the shortest one on a plane would hug it
-SCALE = 1_000_000  # capacities are whole numbers; the dearest edge has this
+SCALE = 10_000  # capacities are whole numbers; the dearest edge has this
+DIRECT = 15_000  # faces up to which one minimum cut decides; beyond, patches first and then a band
+N_CELLS = 10_000  # about half of the patches
 
 
 def cut_segment(mesh: Mesh, faces: IntArray, face_a: int, face_b: int) -> BoolArray:
@@ -74,8 +76,10 @@ def _by_vote(group: IntArray, votes: BoolArray, weights: FloatArray) -> BoolArra
 
 
 def _divide(sub: Mesh, pairs: IntArray, inside: BoolArray, a: int, b: int) -> BoolArray:
+    """(n_faces,) the side of b; meaningful in the piece that both are in."""
     pairs = pairs[inside[pairs[:, 0]]]
-    lengths, turn = _edges(sub, pairs)
+    normals = filter_normals(sub, pairs, sweeps=10)
+    lengths, turn = _edges(sub, pairs, normals)
     # distance along the surface, a turn of the normal being as far as some edges
     step = np.linalg.norm(sub.face_centroids[pairs[:, 0]] - sub.face_centroids[pairs[:, 1]], axis=1)
     mean_turn = max(float(turn.mean()), 1e-6)
@@ -85,24 +89,57 @@ def _divide(sub: Mesh, pairs: IntArray, inside: BoolArray, a: int, b: int) -> Bo
     d_a, d_b = csgraph.dijkstra(graph, directed=False, indices=[a, b])
     reached = inside & np.isfinite(d_a)
     lean = np.where(reached, np.subtract(d_a, d_b, where=reached, out=np.zeros(n)) / d_a[b], 0.0)
-    node = np.full(n, 0)
     fuzzy = reached & (np.abs(lean) < FUZZY)
     fuzzy[[a, b]] = False
-    node[lean > 0] = 1
-    node[a], node[b] = 0, 1
-    node[fuzzy] = 2 + np.arange(int(fuzzy.sum()))
+    is_b = lean > 0
+    is_b[a], is_b[b] = False, True
     dearness = lengths / (1.0 + STEEP * turn / mean_turn) * (1.0 + MIDDLE * lean[pairs].mean(axis=1) ** 2)
     longest = float(dearness.max())
     capacity = np.maximum(1, np.round(SCALE / (longest or 1.0) * dearness)).astype(np.int64)
+    if int(fuzzy.sum()) > DIRECT:
+        cell = _cells(sub, normals, fuzzy)
+        is_b = _settle(cell, is_b, pairs, capacity)
+        fuzzy &= _near_boundary(cell, is_b, pairs)
+    node = np.where(fuzzy, np.cumsum(fuzzy) - 1, -1)
+    return _settle(node, is_b, pairs, capacity)
+
+
+def _settle(group: IntArray, is_b: BoolArray, pairs: IntArray, capacity: IntArray) -> BoolArray:
+    """Sides after a minimum cut between groups of faces; those in group -1 keep theirs."""
+    node = np.where(group >= 0, group + 2, is_b.astype(np.int64))
     ends = np.sort(node[pairs], axis=1)
     crosses = ends[:, 0] != ends[:, 1]
-    is_source_side = _min_cut(2 + int(fuzzy.sum()), ends[crosses], capacity[crosses])
-    return np.asarray(~is_source_side[node])
+    return np.asarray(~_min_cut(int(node.max()) + 1, ends[crosses], capacity[crosses])[node])
 
 
-def _edges(sub: Mesh, pairs: IntArray) -> tuple[FloatArray, FloatArray]:
+def _cells(sub: Mesh, normals: FloatArray, fuzzy: BoolArray) -> IntArray:
+    """(n_faces,) patches of the fuzzy zone, -1 elsewhere: a cell of a grid and about one normal.
+
+    Creases run between patches then, so a cut between patches can follow them.
+    """
+    size = max(float(np.sqrt(sub.face_areas[fuzzy].sum() / N_CELLS)), 1e-12)
+    grid = np.floor((sub.face_centroids[fuzzy] - sub.vertices.min(axis=0)) / size).astype(np.int64)
+    facing = np.round(1.5 * normals[fuzzy]).astype(np.int64)
+    _, cell = np.unique(np.column_stack([grid, facing]), axis=0, return_inverse=True)
+    out = np.full(sub.n_faces, -1)
+    out[fuzzy] = cell.ravel()
+    return out
+
+
+def _near_boundary(cell: IntArray, is_b: BoolArray, pairs: IntArray) -> BoolArray:
+    """(n_faces,) whether a face is in a cell at most two cells away from where the sides meet."""
+    is_near = np.zeros(int(cell.max()) + 2, dtype=bool)  # the last one is that of no cell
+    meets = is_b[pairs[:, 0]] != is_b[pairs[:, 1]]
+    is_near[cell[pairs[meets]]] = True
+    for _ in range(2):
+        touches = is_near[cell[pairs]].any(axis=1)
+        is_near[cell[pairs[touches]]] = True
+        is_near[-1] = False
+    return np.asarray(is_near[cell])
+
+
+def _edges(sub: Mesh, pairs: IntArray, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Length of the edge that two faces share, and how much of a crease it is: 1 − cos, convex ones less."""
-    normals = filter_normals(sub, pairs, sweeps=10)
     i, j = pairs.T
     turn = np.maximum(1.0 - np.einsum("ij,ij->i", normals[i], normals[j]), 0.0).astype(np.float64)
     apart = sub.face_centroids[j] - sub.face_centroids[i]
@@ -121,7 +158,7 @@ def _min_cut(n: int, pairs: IntArray, capacity: IntArray) -> BoolArray:
     """(n,) which nodes are on the side of node 0 of a minimum cut between 0 and 1."""
     rows, columns = np.concatenate([pairs, pairs[:, ::-1]]).T
     graph = sparse.coo_array((np.tile(capacity, 2), (rows, columns)), shape=(n, n)).tocsr()
-    graph.data = np.minimum(graph.data, 2**31 - 1)  # of source and sink, whose many edges add up
+    graph.data = np.minimum(graph.data, 2**30 - 1)  # source and sink have many edges; residuals double
     graph = sparse.csr_matrix(
         (graph.data.astype(np.int32), graph.indices.astype(np.int32), graph.indptr.astype(np.int32)),
         shape=(n, n),

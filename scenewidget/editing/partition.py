@@ -24,6 +24,8 @@ from scenewidget.engine.segmentation import LEVELS, Level, Segmentation
 
 __all__ = ["Change", "KnownCut", "Partition"]
 
+MAX_TABLE = 20_000_000  # entries of a table of items by labels, 160 MB for a moment
+
 
 @dataclass(frozen=True, eq=False)
 class Change:
@@ -290,8 +292,16 @@ class Partition:
         keep = (face_map >= 0) & (labels >= 0)
         n = int(labels.max(initial=0)) + 1
         n_items = self.automatic.items.n if self.automatic.items is not None else int(face_map.max()) + 1
-        code, index = np.unique(face_map[keep].astype(np.int64) * n + labels[keep], return_inverse=True)
-        area = np.bincount(index, self.automatic.mesh.face_areas[keep], len(code))
+        code = face_map[keep].astype(np.int64) * n + labels[keep]
+        # degenerate faces weigh next to nothing, but something
+        weights = np.maximum(self.automatic.mesh.face_areas[keep], 1e-30)
+        if n_items * n <= MAX_TABLE:
+            area = np.bincount(code, weights, n_items * n)
+            code = np.flatnonzero(area)
+            area = area[code]
+        else:
+            code, index = np.unique(code, return_inverse=True)
+            area = np.bincount(index, weights)
         item, label = code // n, code % n
         order = np.lexsort((-label, area, item))  # the largest area comes last and stays
         out = np.full(n_items, -1, dtype=np.int32)

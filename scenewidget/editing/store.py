@@ -456,7 +456,7 @@ def _reading(path: Path) -> Any:
         MemoryError,
         zlib.error,
     ) as error:
-        raise ProjectError(f"{path.name!r} is damaged or no project file ({error})") from error
+        raise ProjectError(f"{path.name!r} is damaged or no project file ({error!s:.200})") from error
 
 
 def _check(connection: sqlite3.Connection, path: Path, *, read_only: bool) -> sqlite3.Connection:
@@ -473,7 +473,7 @@ def _check(connection: sqlite3.Connection, path: Path, *, read_only: bool) -> sq
         raise ProjectError(f"{path.name!r} is damaged: it has the format {version}")
     found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
     if found != "ok":
-        raise ProjectError(f"{path.name!r} is damaged: {found}")
+        raise ProjectError(f"{path.name!r} is damaged: {found!s:.200}")
     if version < VERSION:
         if read_only:  # upgrade a copy
             copy = sqlite3.connect(":memory:", isolation_level=None, check_same_thread=False)

@@ -154,8 +154,16 @@ def import_labels(
         found = reader(source, mesh)
     except FormatError as error:
         raise error if source.name in str(error) else FormatError(f"{source.name!r} {error}") from error
-    except (ValueError, TypeError, KeyError, IndexError, OverflowError, RecursionError, EOFError) as error:
-        raise FormatError(f"{source.name!r} is damaged ({type(error).__name__}: {error})") from error
+    except (
+        ValueError,
+        TypeError,
+        LookupError,
+        ArithmeticError,
+        RecursionError,
+        MemoryError,
+        EOFError,
+    ) as error:
+        raise FormatError(f"{source.name!r} is damaged ({type(error).__name__}: {error!s:.200})") from error
     return _segmentation(mesh, found, source.name)
 
 

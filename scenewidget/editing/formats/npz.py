@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 import zipfile
 import zlib
 from pathlib import Path
@@ -20,6 +21,11 @@ from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.segmentation import LEVELS, Segmentation
 
 __all__ = ["read", "read_array", "write"]
+
+_HEADER = re.compile(  # what NumPy writes; its own reader would evaluate it
+    rb"\{'descr': '([<>|][iufU]\d{1,6})', 'fortran_order': (True|False), "
+    rb"'shape': \(((?:\d{1,18}, ?)*(?:\d{1,18})?)\), \}\s*"
+)
 
 
 def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
@@ -38,12 +44,14 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
 
 def read(path: Path, mesh: Mesh) -> Labels:
     """Labels of an NPZ with an array ``labels``, a number a face or vertex; the rest is optional."""
+    most = max(mesh.n_faces, mesh.n_vertices)
+    if path.stat().st_size > 1_000 * most + 1_000_000:
+        raise FormatError(f"{path.name!r} is larger than labels of this mesh can be")
     try:
-        with zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(io.BytesIO(path.read_bytes())) as archive:
             members = {name.removesuffix(".npy"): name for name in archive.namelist()}
             if "labels" not in members:
                 raise FormatError(f"{path.name!r} has no array 'labels', only {', '.join(members)[:200]}")
-            most = max(mesh.n_faces, mesh.n_vertices)
             labels = _member(archive, members["labels"], "iu", most)
             if labels.shape not in ((mesh.n_faces,), (mesh.n_vertices,)):
                 raise FormatError(
@@ -68,7 +76,7 @@ def read(path: Path, mesh: Mesh) -> Labels:
                 if per_face and f"level_{level}" in members
             }
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError) as error:
-        raise FormatError(f"{path.name!r} is damaged or no NPZ ({error})") from error
+        raise FormatError(f"{path.name!r} is damaged or no NPZ ({error!s:.200})") from error
     return Labels(
         labels.astype(np.int64),
         "face" if per_face else "vertex",
@@ -95,16 +103,14 @@ def _member(archive: zipfile.ZipFile, name: str, kinds: str, most: int) -> npt.N
 
 def read_array(data: bytes, kinds: str) -> npt.NDArray[Any]:
     """An array in NumPy's format out of bytes, of a kind of dtype (as in ``dtype.kind``); never objects."""
-    file = io.BytesIO(data)
-    version = np.lib.format.read_magic(file)
-    if version == (1, 0):
-        shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(file)
-    elif version == (2, 0):
-        shape, is_fortran, dtype = np.lib.format.read_array_header_2_0(file)
-    else:
-        raise FormatError(f"has an array of an unknown version {version}")
-    if dtype.kind not in kinds or dtype.hasobject:
+    start = 10 + int.from_bytes(data[8:10], "little")
+    found = _HEADER.fullmatch(data[10:start])
+    if data[:8] != b"\x93NUMPY\x01\0" or found is None or start > len(data):
+        raise FormatError("has an array that is damaged or not of plain numbers")
+    dtype, is_fortran = np.dtype(found[1].decode()), found[2] == b"True"
+    shape = tuple(int(size) for size in found[3].replace(b" ", b"").split(b",") if size)
+    if dtype.kind not in kinds:
         raise FormatError(f"has an array of dtype {dtype!s:.60}, where one of kind {kinds!r} is expected")
-    if any(size < 0 for size in shape) or math.prod(shape) * dtype.itemsize != len(data) - file.tell():
+    if math.prod(shape) * dtype.itemsize != len(data) - start:
         raise FormatError(f"has an array whose shape {shape!r:.60} does not fit its {len(data)} bytes")
-    return np.frombuffer(data, dtype, offset=file.tell()).reshape(shape, order="F" if is_fortran else "C")
+    return np.frombuffer(data, dtype, offset=start).reshape(shape, order="F" if is_fortran else "C")

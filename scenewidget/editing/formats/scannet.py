@@ -140,4 +140,4 @@ def _read_json(path: Path, most: int) -> Any:
     try:
         return json.loads(path.read_bytes())
     except (ValueError, RecursionError) as error:
-        raise FormatError(f"{path.name!r} is damaged or no JSON ({error})") from error
+        raise FormatError(f"{path.name!r} is damaged or no JSON ({error!s:.200})") from error

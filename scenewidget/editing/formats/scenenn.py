@@ -142,7 +142,7 @@ def _read_names(path: Path) -> dict[int, str]:
     except (ElementTree.ParseError, LookupError, ValueError) as error:
         if isinstance(error, FormatError):
             raise FormatError(f"{path.name!r} {error}") from None
-        raise FormatError(f"{path.name!r} is damaged or not XML ({error})") from error
+        raise FormatError(f"{path.name!r} is damaged or not XML ({error!s:.200})") from error
     names: dict[int, str] = {}
     for element in root.iter("label"):
         id_ = element.get("id", "")

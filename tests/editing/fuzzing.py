@@ -1,0 +1,172 @@
+"""Damage to files, and what a reader may do about it: read them or refuse them, nothing else."""
+
+from __future__ import annotations
+
+import shutil
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+import shapes
+
+import scenewidget as sw
+from scenewidget.editing.formats import FormatError
+from scenewidget.editing.session import Session
+from scenewidget.editing.store import ProjectError
+from scenewidget.engine.segmentation import Segmentation
+
+MESH = shapes.box(3)
+FILES = {  # reader -> (file that is damaged, file that is opened)
+    "ply": ("a.ply", "a.ply"),
+    "vertex.ply": ("v.ply", "v.ply"),
+    "ascii.ply": ("t.ply", "t.ply"),
+    "npz": ("a.npz", "a.npz"),
+    "glb": ("a.glb", "a.glb"),
+    "npy": ("a.npy", "a.npy"),
+    "txt": ("a.txt", "a.txt"),
+    "aggregation.json": ("s.aggregation.json", "s.aggregation.json"),
+    "segs.json": ("s.segs.json", "s.aggregation.json"),
+    "xml": ("n.xml", "n.xml"),
+    "scene.ply": ("n.ply", "n.xml"),
+    "swproj": ("p.swproj", "p.swproj"),
+    "wal": ("k.swproj-wal", "k.swproj"),
+}
+READERS = tuple(FILES)
+NUMBERS = [
+    b"0",
+    b"-1",
+    b"1e999",
+    b"99999999999999999999",
+    b"null",
+    b"[]",
+    b"{}",
+    b'""',
+    b"true",
+    b"NaN",
+    b"-0.0",
+]
+
+
+def segmentation():
+    """Six sides of a box, named, a few faces unlabeled."""
+    labels = np.arange(MESH.n_faces) // 18
+    labels[:3] = -1
+    seg = Segmentation.from_labels(MESH, labels, names=["floor", "wall", "", "chair 1", "Tür", "<b>"])
+    levels = {"base": np.arange(MESH.n_faces, dtype=np.int32) // 6}
+    return Segmentation(MESH, seg.labels, levels=levels, names=seg.names)
+
+
+def write_all(folder):
+    """A sound file for each reader."""
+    folder, seg = Path(folder), segmentation()
+    for name in ("a.ply", "a.npz", "a.glb", "a.npy", "a.txt", "s.aggregation.json", "n.xml"):
+        sw.export(seg, MESH, folder / name)
+    sw.export(seg, MESH, folder / "v.ply", per="vertex")
+    rows = [f"{x} {y} {z} {k % 5}" for k, (x, y, z) in enumerate(MESH.vertices.tolist())]
+    rows += [f"3 {a} {b} {c}" for a, b, c in MESH.faces.tolist()]
+    header = f"ply\nformat ascii 1.0\nelement vertex {MESH.n_vertices}\n"
+    header += "".join(f"property double {axis}\n" for axis in "xyz") + "property int label\n"
+    header += f"element face {MESH.n_faces}\nproperty list uchar int vertex_indices\nend_header\n"
+    (folder / "t.ply").write_text(header + "\n".join(rows) + "\n")
+    session = Session(MESH, seg, params=sw.Params())
+    session.save(folder / "p.swproj")
+    edit(session)
+    session.close()
+    session = Session(MESH, seg)
+    session.save(folder / "w.swproj")
+    edit(session)
+    for suffix in ("", "-wal"):  # as a killed process leaves them
+        shutil.copy(folder / f"w.swproj{suffix}", folder / f"k.swproj{suffix}")
+    session.close()
+
+
+def edit(session):
+    session.merge(40, 60)
+    session.relabel(60, "sofa")
+    session.cut(40, 60)
+    session.split(20, "base")
+    session.undo()
+    session.vocabulary = ["one", "two"]
+
+
+def damaged(data, rng):
+    """The bytes with a few bits, numbers or pieces wrong."""
+    out = bytearray(data)
+    for _ in range(int(rng.choice([1, 1, 1, 2, 5, 40]))):
+        if not out:
+            break
+        at = int(rng.integers(len(out) if rng.random() < 0.6 else min(len(out), 600)))
+        kind = rng.integers(8)
+        if kind <= 2:
+            out[at] ^= 1 << int(rng.integers(8))
+        elif kind == 3:
+            out[at : at + 4] = int(rng.choice([0, 1, 2**31 - 1, 2**31, 2**32 - 1, 255])).to_bytes(4, "little")
+        elif kind == 4:
+            stop = len(out) if rng.random() < 0.3 else at + int(rng.integers(1, 60))
+            del out[at:stop]
+        elif kind == 5:
+            out[at:at] = rng.integers(0, 256, int(rng.integers(1, 20)), dtype=np.uint8).tobytes()
+        elif kind == 6:  # another number, or another value of JSON
+            end = at
+            while end < len(out) and chr(out[end]) in "0123456789.-e":
+                end += 1
+            out[at:end] = NUMBERS[int(rng.integers(len(NUMBERS)))]
+        else:
+            other = int(rng.integers(len(out)))
+            piece = out[other : other + int(rng.integers(1, 60))]
+            out[at : at + len(piece)] = piece
+    return bytes(out)
+
+
+class Fuzzer:
+    """Sound files, and a way to open each with damage."""
+
+    def __init__(self, folder):
+        write_all(folder)
+        self.files = {reader: tuple(Path(folder) / name for name in names) for reader, names in FILES.items()}
+        self.sound = {reader: path.read_bytes() for reader, (path, _) in self.files.items()}
+        with Session.open(self.files["swproj"][1], MESH) as session:
+            self.project = session.segmentation
+        self.states = self._states()
+
+    def _states(self):
+        """Label bytes of all states that the log of the project has seen: a torn log ends in one of them."""
+        session = Session(MESH, segmentation())
+        seen = {session.segmentation.labels.tobytes()}
+        session.observe(lambda _: seen.add(session.segmentation.labels.tobytes()))
+        edit(session)
+        return seen
+
+    def attack(self, reader, seed):
+        """Open a damaged file; whether it was refused. Anything but reading and refusing is an error."""
+        path, opened = self.files[reader]
+        path.write_bytes(damaged(self.sound[reader], np.random.default_rng(seed)))
+        begin = time.perf_counter()
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                if reader in ("swproj", "wal"):
+                    return self._open(opened)
+                found = sw.import_labels(MESH, opened)
+                assert found.labels.shape == (MESH.n_faces,)
+                return False
+        except (FormatError, ProjectError) as error:
+            message = str(error)
+        finally:
+            assert time.perf_counter() - begin < 20, f"{reader} with seed {seed} hangs"
+            path.write_bytes(self.sound[reader])
+        assert len(message) < 1_000, "a message that nobody reads"
+        return True
+
+    def _open(self, opened):
+        keep = opened.read_bytes()
+        try:
+            with Session.open(opened, MESH) as session:
+                labels = session.segmentation.labels.tobytes()
+            assert labels in self.states, "damage went unnoticed"
+            return False
+        finally:
+            for suffix in ("-wal", "-shm", ".lock"):
+                opened.with_name(opened.name + suffix).unlink(missing_ok=True)
+            opened.write_bytes(keep)
