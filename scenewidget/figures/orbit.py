@@ -15,7 +15,7 @@ import ipywidgets as widgets
 import numpy as np
 
 from scenewidget.figures.drawing import Drawing
-from scenewidget.figures.picture import all_points, color_bar, png
+from scenewidget.figures.picture import camera_for, color_bar, png
 from scenewidget.figures.raster import FIELD_OF_VIEW, Camera
 from scenewidget.figures.scale import ColorScale
 
@@ -52,8 +52,8 @@ class Figure:
         self.width, self.height = width, height
 
     def __repr__(self) -> str:
-        faces = ", ".join(str(drawing.n_surface) for drawing in self.drawings)
-        return f"Figure({faces} faces)"
+        n = len(self.drawings)
+        return f"Figure({n} panel{'s' * (n > 1)})"
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
         from base64 import b64encode
@@ -98,7 +98,7 @@ class Figure:
         import pythreejs as three
 
         aspect = self.width / self.height
-        place = Camera.fitting(all_points(self.drawings), self.view, aspect)
+        place = camera_for(self.drawings, self.view, aspect)
         camera = three.PerspectiveCamera(
             fov=FIELD_OF_VIEW,
             aspect=aspect,
@@ -108,7 +108,7 @@ class Figure:
             position=tuple(place.position.tolist()),
             quaternion=_quaternion(place),
         )
-        return camera, three.OrbitControls(controlling=camera)
+        return camera, three.OrbitControls(controlling=camera, target=place.target)
 
 
 class Panel:

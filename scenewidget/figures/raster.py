@@ -24,29 +24,37 @@ MOST_CANDIDATES = 4_000_000  # pairs of triangle and sample looked at in one go
 
 @dataclass(frozen=True)
 class Camera:
-    """Looks at the origin, z upwards in the picture.
+    """Looks at a point, z upwards in the picture.
 
     Attributes
     ----------
     azimuth, elevation : float
-        Degrees: where the camera stands, seen from the origin. Azimuth 0 is +x, 90 is +y; elevation 90 is
+        Degrees: where the camera stands, seen from that point. Azimuth 0 is +x, 90 is +y; elevation 90 is
         straight above.
     distance : float
         Metres.
+    target : (x, y, z)
+        What it looks at.
     """
 
     azimuth: float
     elevation: float
     distance: float
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @classmethod
     def fitting(cls, points: npt.NDArray[np.floating], view: tuple[float, float], aspect: float) -> Camera:
-        """As near as it can be with all points (n, 3) in the picture."""
+        """As near as it can be with all points (n, 3) in the picture, and they in its middle."""
         azimuth, elevation = float(view[0]), float(np.clip(view[1], -89.9, 89.9))
-        right, up, towards = (points @ axis for axis in cls(azimuth, elevation, 1.0).axes)
+        axes = cls(azimuth, elevation, 1.0).axes
+        seen = points.astype(np.float64) @ axes.T
+        middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
+        right, up, towards = (seen - middle).T
         half = np.tan(np.radians(FIELD_OF_VIEW / 2)) * FILLED
         reach = np.maximum(np.abs(right) / (half * aspect), np.abs(up) / half)
-        return cls(azimuth, elevation, max(float((reach + towards).max()), 1e-9))
+        target = middle @ axes
+        distance = max(float((reach + towards).max()), 1e-9)
+        return cls(azimuth, elevation, distance, (float(target[0]), float(target[1]), float(target[2])))
 
     @property
     def axes(self) -> FloatArray:
@@ -59,7 +67,7 @@ class Camera:
     @property
     def position(self) -> FloatArray:
         """(3,) metres."""
-        place: FloatArray = self.distance * self.axes[2]
+        place: FloatArray = np.array(self.target) + self.distance * self.axes[2]
         return place
 
 
