@@ -105,12 +105,18 @@ class Partition:
             if action == "split":
                 inside &= self.parts["final"] == self.parts["final"][atom]
             return inside
+        column = self._column(level)
+        if column[atom] < 0:
+            raise EditError(f"face {face} belongs to no part of the level {level!r}")
+        return np.asarray(column == column[atom])
+
+    def _column(self, level: Level) -> IntArray:
+        """(n_atoms,) part of each atom that a merge moves whole."""
+        if level == "final":
+            return self.segment
         if level not in self.parts:
             self.automatic.level(level)  # says what is wrong
-        part = int(self.parts[level][atom])
-        if part < 0:
-            raise EditError(f"face {face} belongs to no part of the level {level!r}")
-        return np.asarray(self.parts[level] == part)
+        return self.parts[level]
 
     def apply(self, edit: Edit) -> Change:
         """Do an edit.
@@ -143,18 +149,15 @@ class Partition:
         target = self.segment_at(edit.onto_face)
         if target < 0:
             raise EditError(f"onto_face {edit.onto_face} is unlabeled: there is no segment to join")
-        moves = np.zeros(self.atoms.n, dtype=bool)
-        problem: EditError | None = None
-        for face in edit.faces:
-            try:
-                if not moves[self._atom(face)]:
-                    moves |= self.part(face, edit.level)
-            except EditError as error:
-                problem = error
-        moves &= self.segment != target
+        atoms = [self._atom(face) for face in edit.faces]
+        column = self._column(edit.level)
+        if (column[atoms] < 0).all():
+            self.part(edit.faces[0], edit.level)  # says what is wrong
+        wanted = np.zeros(int(column.max()) + 2, dtype=bool)
+        wanted[column[atoms]] = True
+        wanted[-1] = False  # of faces in no part
+        moves = wanted[column] & (self.segment != target)
         if not moves.any():
-            if problem is not None:
-                raise problem
             which = f"face {edit.faces[0]}" if len(edit.faces) == 1 else "all faces"
             raise EditError(f"{which} and onto_face {edit.onto_face} are in one segment already")
         return self._move(moves, target)

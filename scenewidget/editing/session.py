@@ -11,6 +11,7 @@ import os
 import threading
 import time
 import warnings
+import weakref
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +22,8 @@ import numpy as np
 from scenewidget.editing.edits import Cut, Edit, EditError, Merge, Relabel, Split
 from scenewidget.editing.fingerprint import fingerprint, living_mesh
 from scenewidget.editing.partition import Change, Partition
-from scenewidget.editing.store import Operation, Project, ProjectError, ProjectFile, read_log
+from scenewidget.editing.project import Operation, Project, ProjectError, read_log
+from scenewidget.editing.store import ProjectFile
 from scenewidget.editing.vocabulary import NYU40, checked_vocabulary
 from scenewidget.engine.atoms import Atoms
 from scenewidget.engine.mesh import BoolArray, IntArray, Mesh, MeshError, load_mesh
@@ -169,6 +171,7 @@ class Session:
         self._file: ProjectFile | None = None
         self._n_durable = 0
         self._file_problem = ""
+        self._must_renew = False  # whether the file lacks another automatic segmentation
 
     def __repr__(self) -> str:
         place = f", {self.path.name!r}" if self.path is not None else ""
@@ -547,7 +550,7 @@ class Session:
                 if self._file is not None and self._file is not file:
                     self._file.close()
                 self._file, self._n_durable, self._file_problem = file, len(self._operations), ""
-                file.on_takeover = self._taken_over
+                file.on_takeover = weakref.WeakMethod(self._taken_over)
             event = self._event("file", None)
             written = self._file.path
         self._tell(event)
@@ -600,12 +603,11 @@ class Session:
             session = cls._from_project(project, mesh, source or project.source)
             session._file = file
             session._n_durable = len(session._operations)
-            file.on_takeover = session._taken_over
             if recover and project.n_lost and not file.read_only:
                 session._file = ProjectFile.write(
                     file.path, session._project(project.mesh is not None), replaces=file
                 )
-                session._file.on_takeover = session._taken_over
+            session._file.on_takeover = weakref.WeakMethod(session._taken_over)
             session._log(Operation(time.time(), "open"))
         except BaseException:
             file.close()
@@ -689,8 +691,6 @@ class Session:
             self._file_problem = str(error)
         else:
             self._n_durable, self._file_problem, self._must_renew = len(self._operations), "", False
-
-    _must_renew = False
 
     def _taken_over(self) -> None:
         self._file_problem = "another session of this process has taken the file over"

@@ -1,173 +1,40 @@
-"""The project file, ``.swproj``: a segmentation, the log of all operations on it, and which mesh it is of.
+"""The project file, ``.swproj``: an SQLite database that is right after whatever happens.
 
-An SQLite database in WAL mode. Each operation is a transaction that is on the disk before `append` returns;
-nothing is ever deleted from the log, undo and redo are entries of it. Every row carries a checksum, those of
-the log are chained, so that damage is noticed wherever it is. What is read is data only: numbers with their
-declared sizes checked against the bytes that are there, and JSON.
+It is in WAL mode: each operation is a transaction that is on the disk before `ProjectFile.append` returns.
+Nothing is ever deleted from the log; undo and redo are entries of it. One process writes at a time.
 """
 
 from __future__ import annotations
 
+import atexit
 import contextlib
-import dataclasses
 import errno
-import hashlib
-import json
-import math
 import os
 import sqlite3
 import threading
-import warnings
 import weakref
 import zlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, Literal, get_args
 
-import numpy as np
-import numpy.typing as npt
-
-from scenewidget.editing.edits import Cut, Edit, edit_from_dict, edit_to_dict
 from scenewidget.editing.files import FileLock, explain, replacing
-from scenewidget.editing.fingerprint import Fingerprint, fingerprint
-from scenewidget.editing.partition import KnownCut
-from scenewidget.editing.vocabulary import checked_vocabulary
-from scenewidget.engine.mesh import BoolArray, Mesh
-from scenewidget.engine.params import Params
-from scenewidget.engine.segmentation import LEVELS, Segmentation
-
-__all__ = ["Log", "Operation", "Project", "ProjectError", "ProjectFile", "read_log"]
-
-Action = Literal["open", "edit", "undo", "redo", "segmentation", "vocabulary"]
-APPLICATION_ID = 0x5357504A  # "SWPJ"
-SCHEMA = (
-    "CREATE TABLE fact (key TEXT PRIMARY KEY, value TEXT NOT NULL, digest BLOB NOT NULL) WITHOUT ROWID",
-    "CREATE TABLE array (name TEXT PRIMARY KEY, dtype TEXT NOT NULL, shape TEXT NOT NULL,"
-    " data BLOB NOT NULL, digest BLOB NOT NULL)",
-    "CREATE TABLE operation (seq INTEGER PRIMARY KEY, time REAL NOT NULL, action TEXT NOT NULL,"
-    " body TEXT NOT NULL, extra BLOB, digest BLOB NOT NULL)",
+from scenewidget.editing.project import Operation, Project, ProjectError
+from scenewidget.editing.schema import (
+    APPLICATION_ID,
+    MIGRATIONS,
+    VERSION,
+    insert_operations,
+    load_project,
+    write_project,
+    write_segmentation,
 )
-MIGRATIONS: tuple[tuple[str, ...], ...] = ()  # statements that lead from schema version k + 1 to k + 2
-VERSION = 1 + len(MIGRATIONS)
-LARGEST_RATIO = 1_100  # of zlib is 1032
-DTYPES = {"<i4": np.int32, "<f4": np.float32, "<f8": np.float64, "|u1": np.uint8}
 
+__all__ = ["ProjectFile"]
 
-class ProjectError(ValueError):
-    """A project file that is damaged, foreign, too new, or of another mesh."""
-
-
-@dataclass(frozen=True, eq=False)
-class Operation:
-    """An entry of the log."""
-
-    time: float  # seconds since 1970, UTC
-    action: Action
-    edit: Edit | None = None  # of "edit"
-    cut: KnownCut | None = None  # of a `Cut`: its outcome
-    names: tuple[str, ...] = ()  # of "vocabulary"
-
-
-@dataclass(frozen=True, eq=False)
-class Log:
-    """What a list of operations comes down to."""
-
-    done: list[tuple[Edit, float]] = field(default_factory=list)
-    undone: list[Edit] = field(default_factory=list)
-    cuts: dict[tuple[Cut, bytes], BoolArray] = field(default_factory=dict)
-    vocabulary: tuple[str, ...] = ()
-
-
-def read_log(operations: Iterable[Operation]) -> Log:
-    """The edits that are done and undone after some operations.
-
-    Raises
-    ------
-    ProjectError
-        An undo or redo with nothing to undo or redo.
-    """
-    done: list[tuple[Edit, float]] = []
-    undone: list[Edit] = []
-    cuts: dict[tuple[Cut, bytes], BoolArray] = {}
-    vocabulary: tuple[str, ...] = ()
-    for operation in operations:
-        if operation.action == "edit" and operation.edit is not None:
-            done.append((operation.edit, operation.time))
-            undone.clear()
-            if operation.cut is not None and isinstance(operation.edit, Cut):
-                cuts[operation.edit, operation.cut.segment_digest] = operation.cut.is_b
-        elif operation.action == "vocabulary":
-            vocabulary = operation.names
-        elif operation.action == "undo":
-            if not done:
-                raise ProjectError("the log undoes an edit that was never done")
-            undone.append(done.pop()[0])
-        elif operation.action == "redo":
-            if not undone:
-                raise ProjectError("the log redoes an edit that was never undone")
-            done.append((undone.pop(), operation.time))
-    return Log(done, undone, cuts, vocabulary)
-
-
-@dataclass(frozen=True, eq=False)
-class Project:
-    """All that a project file holds."""
-
-    fingerprint: Fingerprint
-    labels: npt.NDArray[Any]
-    confidence: npt.NDArray[Any]
-    levels: Mapping[str, npt.NDArray[Any]]
-    names: tuple[str, ...]
-    timings: Mapping[str, float]
-    report: Mapping[str, Any]
-    params: Params | None
-    mesh: Mesh | None
-    source: str  # where the mesh was loaded from, "" if from no file
-    operations: tuple[Operation, ...]
-    n_lost: int = 0  # operations that a recovery left behind
-
-    @classmethod
-    def of(
-        cls,
-        automatic: Segmentation,
-        *,
-        fingerprint: Fingerprint,
-        mesh: Mesh | None,
-        source: str,
-        params: Params | None,
-        operations: tuple[Operation, ...],
-    ) -> Project:
-        """The project of a segmentation. Items and the simplified mesh are left out: `segment` makes them."""
-        return cls(
-            fingerprint=fingerprint,
-            labels=automatic.labels,
-            confidence=np.asarray(automatic.confidence),
-            levels=automatic.levels,
-            names=tuple(automatic.names),
-            timings=automatic.timings,
-            report=automatic.report,
-            params=params,
-            mesh=mesh,
-            source=source,
-            operations=operations,
-        )
-
-    def segmentation(self, mesh: Mesh) -> Segmentation:
-        """The automatic segmentation, on its mesh."""
-        return Segmentation(
-            mesh,
-            self.labels,
-            self.confidence,
-            levels=dict(self.levels),
-            names=self.names,
-            timings=self.timings,
-            report=self.report,
-        )
-
-
+TABLES = {"table fact", "table array", "table operation", "index sqlite_autoindex_array_1"}
 _open_files: weakref.WeakValueDictionary[str, ProjectFile] = weakref.WeakValueDictionary()
 _registry_lock = threading.Lock()
+_of_parents: list[sqlite3.Connection] = []  # connections that a fork carried over, never to be touched
 
 
 class ProjectFile:
@@ -182,7 +49,7 @@ class ProjectFile:
     read_only : bool
     read_only_reason : str
         "" if it can be written.
-    on_takeover : callable
+    on_takeover : weak reference to a method
         Called when another one of this process takes the file over.
     """
 
@@ -191,11 +58,10 @@ class ProjectFile:
     ) -> None:
         self.path = path
         self.read_only_reason = read_only_reason
-        self.on_takeover: Callable[[], None] | None = None
+        self.on_takeover: weakref.WeakMethod[Callable[[], None]] | None = None
+        self._process = os.getpid()
         self._connection: sqlite3.Connection | None = connection
         self._lock = lock
-        self._last_digest = b""
-        self._next_seq = 0
         self._guard = threading.RLock()
 
     @property
@@ -249,6 +115,7 @@ class ProjectFile:
                 lock.release()
             elif replaces._connection is None:  # renaming failed: go on with the old file
                 replaces._connection = _connect(path, "rw")
+                _make_durable(replaces._connection)
             raise
 
     @classmethod
@@ -293,15 +160,8 @@ class ProjectFile:
                 if not checked:
                     connection = _check(connection, path, read_only=bool(reason))
                 if not reason:
-                    connection.execute("PRAGMA journal_mode=WAL")
-                    connection.execute("PRAGMA synchronous=FULL")  # a commit is on the disk
-                    connection.execute("PRAGMA wal_autocheckpoint=500")
+                    _make_durable(connection)
                 file = cls(path, connection, lock, reason)
-                row = connection.execute(
-                    "SELECT seq, digest FROM operation ORDER BY seq DESC LIMIT 1"
-                ).fetchone()
-                if row is not None:
-                    file._next_seq, file._last_digest = int(row[0]) + 1, bytes(row[1])
         except BaseException:
             connection.close()
             raise
@@ -333,14 +193,20 @@ class ProjectFile:
     def _surrender(self) -> None:
         self.close()
         self.read_only_reason = "another session of this process has taken it over"
-        if self.on_takeover is not None:
-            self.on_takeover()
+        callback = None if self.on_takeover is None else self.on_takeover()
+        if callback is not None:
+            callback()
 
     def _disconnect(self) -> None:
-        if self._connection is not None:
+        if self._connection is None:
+            return
+        if os.getpid() != self._process:  # closing it here would pull the file from under the parent
+            _of_parents.append(self._connection)
+            self._lock = None
+        else:
             with contextlib.suppress(sqlite3.Error):
                 self._connection.close()
-            self._connection = None
+        self._connection = None
 
     # --- reading and writing ----------------------------------------------------------------------
 
@@ -358,26 +224,24 @@ class ProjectFile:
         OSError
             The disk is full, …; the file is as it was.
         """
-        rows, digest = [], self._last_digest
-        for seq, operation in enumerate(operations, self._next_seq):
-            body, extra = _encode(operation)
-            digest = _digest(digest, seq, repr(operation.time), operation.action, body, extra or b"")
-            rows.append((seq, operation.time, operation.action, body, extra, digest))
         with self._guard, self._writing() as connection:
             connection.execute("BEGIN IMMEDIATE")
             try:
                 if renewed is not None:
-                    _write_segmentation(connection, renewed)
-                connection.executemany("INSERT INTO operation VALUES (?, ?, ?, ?, ?, ?)", rows)
+                    write_segmentation(connection, renewed)
+                insert_operations(connection, operations)
                 connection.execute("COMMIT")
             except BaseException:
                 with contextlib.suppress(sqlite3.Error):
                     connection.execute("ROLLBACK")
                 raise
-            self._last_digest, self._next_seq = digest, self._next_seq + len(rows)
 
     @contextlib.contextmanager
-    def _writing(self) -> Any:
+    def _writing(self) -> Iterator[sqlite3.Connection]:
+        if os.getpid() != self._process:
+            raise OSError(
+                errno.EBADF, f"{self.path.name!r} belongs to the process that this one was forked from"
+            )
         if self._connection is None:
             raise OSError(
                 errno.EBADF, f"{self.path.name!r} is closed: {self.read_only_reason or 'save again'}"
@@ -398,7 +262,7 @@ class ProjectFile:
         with self._guard, _reading(self.path):
             if self._connection is None:
                 raise ProjectError(f"{self.path.name!r} is closed")
-            return _load(self._connection, self.path.name, recover=recover)
+            return load_project(self._connection, self.path.name, recover=recover)
 
 
 # --- the database ---------------------------------------------------------------------------------
@@ -430,15 +294,21 @@ def _connect(path: Path, mode: str) -> sqlite3.Connection:
     return connection
 
 
-def _allow(action: int, *_: Any) -> int:
+def _allow(action: int, *_: object) -> int:
     """A file may not make the database open other files."""
     return (
         sqlite3.SQLITE_DENY if action in (sqlite3.SQLITE_ATTACH, sqlite3.SQLITE_DETACH) else sqlite3.SQLITE_OK
     )
 
 
+def _make_durable(connection: sqlite3.Connection) -> None:
+    connection.execute("PRAGMA journal_mode=WAL")
+    connection.execute("PRAGMA synchronous=FULL")  # a commit is on the disk
+    connection.execute("PRAGMA wal_autocheckpoint=500")
+
+
 @contextlib.contextmanager
-def _reading(path: Path) -> Any:
+def _reading(path: Path) -> Iterator[None]:
     """Whatever goes wrong in reading a file is the file's fault, and its name belongs in the message."""
     try:
         yield
@@ -486,11 +356,8 @@ def _check(connection: sqlite3.Connection, path: Path, *, read_only: bool) -> sq
         connection.execute(f"PRAGMA user_version={VERSION}")
         connection.execute("COMMIT")
     tables = {row[0] for row in connection.execute("SELECT type || ' ' || name FROM sqlite_master")}
-    allowed = {"table fact", "table array", "table operation", "index sqlite_autoindex_array_1"}
-    if tables != allowed:
-        raise ProjectError(
-            f"{path.name!r} is damaged or forged: it holds {sorted(tables ^ allowed)[0]!r:.80}"
-        )
+    if tables != TABLES:
+        raise ProjectError(f"{path.name!r} is damaged or forged: it holds {sorted(tables ^ TABLES)[0]!r:.80}")
     return connection
 
 
@@ -500,29 +367,7 @@ def _create(path: Path, project: Project) -> None:
         try:
             connection.execute("PRAGMA journal_mode=OFF")  # `replacing` flushes the file as a whole
             connection.execute("PRAGMA synchronous=OFF")
-            connection.execute("PRAGMA page_size=4096")
-            connection.execute(f"PRAGMA application_id={APPLICATION_ID}")
-            connection.execute(f"PRAGMA user_version={VERSION}")
-            connection.execute("BEGIN")
-            for statement in SCHEMA:
-                connection.execute(statement)
-            _write_segmentation(connection, project)
-            _put_fact(connection, "fingerprint", project.fingerprint.to_dict())
-            _put_fact(connection, "source", project.source)
-            if project.mesh is not None:
-                _put_array(connection, "mesh/vertices", project.mesh.vertices)
-                _put_array(connection, "mesh/faces", project.mesh.faces)
-                if project.mesh.vertex_colors is not None:
-                    _put_array(connection, "mesh/vertex_colors", project.mesh.vertex_colors)
-            digest = b""
-            for seq, operation in enumerate(project.operations):
-                body, extra = _encode(operation)
-                digest = _digest(digest, seq, repr(operation.time), operation.action, body, extra or b"")
-                connection.execute(
-                    "INSERT INTO operation VALUES (?, ?, ?, ?, ?, ?)",
-                    (seq, operation.time, operation.action, body, extra, digest),
-                )
-            connection.execute("COMMIT")
+            write_project(connection, project)
         finally:
             connection.close()
     except sqlite3.Error as error:
@@ -533,7 +378,7 @@ def _settle(path: Path) -> None:
     """Make the file that is to be replaced whole in itself, so that no log of it meets the new file."""
     if path.exists():
         with contextlib.suppress(sqlite3.Error):
-            old = sqlite3.connect(path, timeout=5)
+            old = sqlite3.connect(path, timeout=1)
             try:
                 old.execute("PRAGMA journal_mode=DELETE")
             finally:
@@ -552,184 +397,8 @@ def _as_os_error(error: sqlite3.Error, path: Path) -> OSError:
     return explain(OSError(codes.get(code, errno.EIO), str(error)), path)
 
 
-def _write_segmentation(connection: sqlite3.Connection, project: Project) -> None:
-    connection.execute(
-        "DELETE FROM array WHERE name = 'labels' OR name = 'confidence' OR name LIKE 'level/%'"
-    )
-    _put_array(connection, "labels", project.labels)
-    _put_array(connection, "confidence", project.confidence)
-    for level, parts in project.levels.items():
-        _put_array(connection, f"level/{level}", parts)
-    _put_fact(connection, "names", list(project.names))
-    _put_fact(connection, "timings", _plain(project.timings))
-    _put_fact(connection, "report", _plain(project.report))
-    _put_fact(connection, "params", None if project.params is None else dataclasses.asdict(project.params))
-
-
-def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The entries that JSON can hold."""
-    out = {}
-    for key, value in values.items():
-        plain = value.item() if isinstance(value, np.generic) else value
-        if isinstance(plain, (str, bool, int)) or (isinstance(plain, float) and math.isfinite(plain)):
-            out[str(key)] = plain
-    return out
-
-
-def _put_fact(connection: sqlite3.Connection, key: str, value: Any) -> None:
-    text = json.dumps(value, separators=(",", ":"))
-    connection.execute("INSERT OR REPLACE INTO fact VALUES (?, ?, ?)", (key, text, _digest(b"", key, text)))
-
-
-def _put_array(connection: sqlite3.Connection, name: str, array: npt.NDArray[Any]) -> None:
-    array = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
-    data = zlib.compress(array.tobytes(), 6)
-    row = (name, array.dtype.str, json.dumps(array.shape), data)
-    connection.execute("INSERT OR REPLACE INTO array VALUES (?, ?, ?, ?, ?)", (*row, _digest(b"", *row)))
-
-
-def _digest(before: bytes, *values: Any) -> bytes:
-    digest = hashlib.blake2b(before, digest_size=8)
-    for value in values:
-        data = value if isinstance(value, bytes) else str(value).encode("utf-8", "surrogatepass")
-        digest.update(len(data).to_bytes(8, "little"))
-        digest.update(data)
-    return digest.digest()
-
-
-def _encode(operation: Operation) -> tuple[str, bytes | None]:
-    body: Any = None
-    if operation.edit is not None:
-        body = edit_to_dict(operation.edit)
-    elif operation.action == "vocabulary":
-        body = list(operation.names)
-    extra = None
-    if operation.cut is not None:
-        is_b = operation.cut.is_b
-        header = len(is_b).to_bytes(4, "little") + operation.cut.segment_digest
-        extra = header + zlib.compress(np.packbits(is_b).tobytes(), 6)
-    return json.dumps(body, separators=(",", ":")), extra
-
-
-def _decode(row: tuple[Any, ...]) -> Operation:
-    _, when, action, body, extra, _ = row
-    if action not in get_args(Action) or not isinstance(when, float) or not math.isfinite(when):
-        raise ProjectError(f"the log holds an unknown operation {action!r:.60}")
-    data = json.loads(body)
-    if action == "vocabulary":
-        return Operation(when, action, names=checked_vocabulary(data))
-    if action != "edit":
-        return Operation(when, action)
-    edit = edit_from_dict(data)
-    if extra is None:
-        return Operation(when, action, edit)
-    n = int.from_bytes(extra[:4], "little")
-    bits = np.frombuffer(_inflate(extra[20:], (n + 7) // 8), np.uint8)
-    return Operation(when, action, edit, KnownCut(extra[4:20], np.unpackbits(bits, count=n).astype(bool)))
-
-
-def _inflate(data: bytes, n_bytes: int) -> bytes:
-    """Exactly so many bytes out of zlib's; never more memory than the data can fill."""
-    if n_bytes > LARGEST_RATIO * len(data) + 64:
-        raise ProjectError(f"{len(data)} bytes can't hold the {n_bytes} that are declared")
-    inflater = zlib.decompressobj()
-    out = inflater.decompress(data, n_bytes + 1)
-    if len(out) != n_bytes or not inflater.eof:
-        raise ProjectError(f"an array has not the {n_bytes} bytes that are declared")
-    return out
-
-
-def _load(connection: sqlite3.Connection, name: str, *, recover: bool) -> Project:
-    facts = {}
-    for key, value, digest in connection.execute("SELECT key, value, digest FROM fact"):
-        if digest != _digest(b"", key, value):
-            raise ProjectError(f"its entry {key!r:.60} was changed")
-        facts[key] = json.loads(value)
-    found = Fingerprint.from_dict(facts["fingerprint"])
-    arrays = {}
-    columns = ("labels", "confidence", *(f"level/{level}" for level in LEVELS))
-    for row in connection.execute("SELECT name, dtype, shape, data, digest FROM array"):
-        array_name, dtype, shape_text, data, digest = row
-        if digest != _digest(b"", *row[:4]):
-            raise ProjectError(f"its array {array_name!r:.60} was changed")
-        shape = json.loads(shape_text)
-        expected = [found.n_faces] if array_name in columns else [None, 3]
-        if dtype not in DTYPES or len(shape) != len(expected):
-            raise ProjectError(f"its array {array_name!r:.60} has an unknown form")
-        for size, wanted in zip(shape, expected, strict=True):
-            if type(size) is not int or not 0 <= size < 2**31 or (wanted is not None and size != wanted):
-                raise ProjectError(f"its array {array_name!r:.60} has the shape {shape!r:.60}")
-        n_bytes = math.prod(shape) * np.dtype(dtype).itemsize
-        arrays[array_name] = (
-            np.frombuffer(_inflate(data, n_bytes), dtype).reshape(shape).astype(DTYPES[dtype])
-        )
-    mesh = None
-    if "mesh/faces" in arrays:
-        mesh = Mesh(arrays["mesh/vertices"], arrays["mesh/faces"], arrays.get("mesh/vertex_colors"))
-        if fingerprint(mesh) != found:
-            raise ProjectError("its mesh is not the one of its fingerprint")
-    operations, n_lost = _load_operations(connection, name, recover=recover)
-    return Project(
-        fingerprint=found,
-        labels=arrays["labels"],
-        confidence=arrays["confidence"],
-        levels={level: arrays[f"level/{level}"] for level in LEVELS if f"level/{level}" in arrays},
-        names=tuple(str(text) for text in facts["names"]),
-        timings=dict(facts["timings"]),
-        report=dict(facts["report"]),
-        params=_load_params(facts["params"], name),
-        mesh=mesh,
-        source=str(facts["source"]),
-        operations=tuple(operations),
-        n_lost=n_lost,
-    )
-
-
-def _load_operations(
-    connection: sqlite3.Connection, name: str, *, recover: bool
-) -> tuple[list[Operation], int]:
-    operations: list[Operation] = []
-    total = connection.execute("SELECT COUNT(*) FROM operation").fetchone()[0]
-    before = b""
-    try:
-        for seq, row in enumerate(connection.execute("SELECT * FROM operation ORDER BY seq")):
-            digest = _digest(before, row[0], repr(row[1]), row[2], row[3], row[4] or b"")
-            if row[0] != seq or row[5] != digest:
-                raise ProjectError(f"entry {seq} of its log was changed")
-            operations.append(_decode(row))
-            read_log(operations[-1:]) if operations[-1].action == "edit" else None
-            before = digest
-        read_log(operations)
-    except (
-        ProjectError,
-        sqlite3.Error,
-        ValueError,
-        TypeError,
-        OverflowError,
-        RecursionError,
-        zlib.error,
-    ) as error:
-        if not recover:
-            raise ProjectError(
-                f"{name!r} is damaged: {error}. Session.open(…, recover=True) keeps the "
-                f"{len(operations)} of {total} operations before it"
-            ) from error
-        while True:  # an undo too many ends the log as well
-            try:
-                read_log(operations)
-                break
-            except ProjectError:
-                operations.pop()
-    return operations, total - len(operations)
-
-
-def _load_params(data: Any, name: str) -> Params | None:
-    if data is None:
-        return None
-    try:
-        return Params(**data)
-    except (TypeError, ValueError) as error:
-        warnings.warn(
-            f"the parameters in {name!r} are of another version and left out ({error})", stacklevel=6
-        )
-        return None
+@atexit.register
+def _close_all() -> None:
+    """Leave whole files behind, without logs beside them."""
+    for file in list(_open_files.values()):
+        file.close()

@@ -20,10 +20,10 @@ from hypothesis import strategies as st
 from test_session import box_session, do_all
 
 import scenewidget as sw
-from scenewidget.editing import store
+from scenewidget.editing import schema, store
 from scenewidget.editing.fingerprint import fingerprint
+from scenewidget.editing.project import ProjectError
 from scenewidget.editing.session import Session
-from scenewidget.editing.store import ProjectError
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.segmentation import Segmentation
 
@@ -412,7 +412,7 @@ def test_a_damaged_log_can_be_recovered_up_to_the_damage(tmp_path):
 
 def forge_array(path, name, dtype, shape, data):
     row = (name, dtype, shape, data)
-    digest = store._digest(b"", *row)
+    digest = schema._digest(b"", *row)
     change(path, ("INSERT OR REPLACE INTO array VALUES (?, ?, ?, ?, ?)", (*row, digest)))
 
 
@@ -447,8 +447,8 @@ def test_older_files_are_brought_up_to_date(tmp_path, monkeypatch, read_only):
     expected, _, mesh = saved(tmp_path / "room.swproj")
     monkeypatch.setattr(store, "MIGRATIONS", (("INSERT INTO fact VALUES ('new', '1', x'')",),))
     monkeypatch.setattr(store, "VERSION", 2)
-    real = store._digest
-    monkeypatch.setattr(store, "_digest", lambda *a: b"" if a[1:2] == ("new",) else real(*a))
+    real = schema._digest
+    monkeypatch.setattr(schema, "_digest", lambda *a: b"" if a[1:2] == ("new",) else real(*a))
     if read_only:
         monkeypatch.setattr(store.os, "access", lambda *_: False)
     with Session.open(tmp_path / "room.swproj", mesh) as session:
@@ -462,7 +462,7 @@ def test_older_files_are_brought_up_to_date(tmp_path, monkeypatch, read_only):
 def test_parameters_of_another_version_are_left_out(tmp_path):
     _, _, mesh = saved(tmp_path / "room.swproj")
     text = '{"n_segments":5,"not_yet_invented":1}'
-    row = ("params", text, store._digest(b"", "params", text))
+    row = ("params", text, schema._digest(b"", "params", text))
     change(tmp_path / "room.swproj", ("INSERT OR REPLACE INTO fact VALUES (?, ?, ?)", row))
     with pytest.warns(UserWarning, match="of another version and left out"):
         assert Session.open(tmp_path / "room.swproj", mesh).params is None

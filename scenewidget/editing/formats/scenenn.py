@@ -108,7 +108,7 @@ def _unnamed(id_: int) -> str:
 
 def _attribute(text: str) -> str:
     """Quoted for XML, without the characters that XML can't hold."""
-    allowed = "".join(c for c in text if c >= " " and c not in "\ufffe\uffff")
+    allowed = "".join(c for c in clean_name(text) if c not in "\ufffe\uffff")
     return quoteattr(allowed)
 
 

@@ -24,7 +24,7 @@ def write_csv(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
     """
     frame = _frame(segmentation)
     frame["name"] = [f"'{name}" if name[:1] in tuple("=+-@\t\r") else name for name in frame["name"]]
-    write_bytes(path, frame.to_csv(lineterminator="\n").encode())
+    write_bytes(path, frame.to_csv(lineterminator="\n").encode(errors="replace"))
     return [path]
 
 

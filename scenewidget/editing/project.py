@@ -1,0 +1,133 @@
+"""What a project is: an automatic segmentation, the log of all operations on it, and which mesh it is of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from scenewidget.editing.edits import Cut, Edit
+from scenewidget.editing.fingerprint import Fingerprint
+from scenewidget.editing.partition import KnownCut
+from scenewidget.engine.mesh import BoolArray, Mesh
+from scenewidget.engine.params import Params
+from scenewidget.engine.segmentation import Segmentation
+
+__all__ = ["Action", "Log", "Operation", "Project", "ProjectError", "read_log"]
+
+Action = Literal["open", "edit", "undo", "redo", "segmentation", "vocabulary"]
+
+
+class ProjectError(ValueError):
+    """A project file that is damaged, foreign, too new, or of another mesh."""
+
+
+@dataclass(frozen=True, eq=False)
+class Operation:
+    """An entry of the log."""
+
+    time: float  # seconds since 1970, UTC
+    action: Action
+    edit: Edit | None = None  # of "edit"
+    cut: KnownCut | None = None  # of a `Cut`: its outcome
+    names: tuple[str, ...] = ()  # of "vocabulary"
+
+
+@dataclass(frozen=True, eq=False)
+class Log:
+    """What a list of operations comes down to."""
+
+    done: list[tuple[Edit, float]] = field(default_factory=list)
+    undone: list[Edit] = field(default_factory=list)
+    cuts: dict[tuple[Cut, bytes], BoolArray] = field(default_factory=dict)
+    vocabulary: tuple[str, ...] = ()
+
+
+def read_log(operations: Iterable[Operation]) -> Log:
+    """The edits that are done and undone after some operations.
+
+    Raises
+    ------
+    ProjectError
+        An undo or redo with nothing to undo or redo.
+    """
+    done: list[tuple[Edit, float]] = []
+    undone: list[Edit] = []
+    cuts: dict[tuple[Cut, bytes], BoolArray] = {}
+    vocabulary: tuple[str, ...] = ()
+    for operation in operations:
+        if operation.action == "edit" and operation.edit is not None:
+            done.append((operation.edit, operation.time))
+            undone.clear()
+            if operation.cut is not None and isinstance(operation.edit, Cut):
+                cuts[operation.edit, operation.cut.segment_digest] = operation.cut.is_b
+        elif operation.action == "vocabulary":
+            vocabulary = operation.names
+        elif operation.action == "undo":
+            if not done:
+                raise ProjectError("the log undoes an edit that was never done")
+            undone.append(done.pop()[0])
+        elif operation.action == "redo":
+            if not undone:
+                raise ProjectError("the log redoes an edit that was never undone")
+            done.append((undone.pop(), operation.time))
+    return Log(done, undone, cuts, vocabulary)
+
+
+@dataclass(frozen=True, eq=False)
+class Project:
+    """All that a project file holds."""
+
+    fingerprint: Fingerprint
+    labels: npt.NDArray[Any]
+    confidence: npt.NDArray[Any]
+    levels: Mapping[str, npt.NDArray[Any]]
+    names: tuple[str, ...]
+    timings: Mapping[str, float]
+    report: Mapping[str, Any]
+    params: Params | None
+    mesh: Mesh | None
+    source: str  # where the mesh was loaded from, "" if from no file
+    operations: tuple[Operation, ...]
+    n_lost: int = 0  # operations that a recovery left behind
+
+    @classmethod
+    def of(
+        cls,
+        automatic: Segmentation,
+        *,
+        fingerprint: Fingerprint,
+        mesh: Mesh | None,
+        source: str,
+        params: Params | None,
+        operations: tuple[Operation, ...],
+    ) -> Project:
+        """The project of a segmentation. Items and the simplified mesh are left out: `segment` makes them."""
+        return cls(
+            fingerprint=fingerprint,
+            labels=automatic.labels,
+            confidence=np.asarray(automatic.confidence),
+            levels=automatic.levels,
+            names=tuple(automatic.names),
+            timings=automatic.timings,
+            report=automatic.report,
+            params=params,
+            mesh=mesh,
+            source=source,
+            operations=operations,
+        )
+
+    def segmentation(self, mesh: Mesh) -> Segmentation:
+        """The automatic segmentation, on its mesh."""
+        return Segmentation(
+            mesh,
+            self.labels,
+            self.confidence,
+            levels=dict(self.levels),
+            names=self.names,
+            timings=self.timings,
+            report=self.report,
+        )
