@@ -72,7 +72,7 @@ class Partition:
         self.parts: dict[str, IntArray] = {
             level: column[self.atoms.first_face] for level, column in columns.items()
         }
-        self.segment: IntArray = self.parts["final"].astype(np.int64)
+        self.segment: IntArray = self.parts["final"].astype(np.int32)
         self.names: dict[int, str] = {i: name for i, name in enumerate(automatic.names) if name}
         self._first_names = dict(self.names)
         self._next_id = automatic.n_segments
@@ -136,10 +136,13 @@ class Partition:
 
     def revert(self, change: Change) -> None:
         """Take the last change back that wasn't taken back yet."""
-        before = np.full(change.n_atoms, -2, dtype=np.int64)
-        before[change.atoms] = change.before
-        before = before[self._ancestors(change.n_atoms)]
-        self.segment = np.where(before == -2, self.segment, before)
+        if change.n_atoms == self.atoms.n:
+            self.segment[change.atoms] = change.before
+        else:  # a cut has made the atoms finer since
+            before = np.full(change.n_atoms, -2, dtype=np.int32)
+            before[change.atoms] = change.before
+            before = before[self._ancestors(change.n_atoms)]
+            self.segment = np.where(before == -2, self.segment, before)
         self.names = dict(change.names)
         self._next_id = change.next_id
 
@@ -153,19 +156,25 @@ class Partition:
         column = self._column(edit.level)
         if (column[atoms] < 0).all():
             self.part(edit.faces[0], edit.level)  # says what is wrong
-        wanted = np.zeros(int(column.max()) + 2, dtype=bool)
-        wanted[column[atoms]] = True
-        wanted[-1] = False  # of faces in no part
-        moves = wanted[column] & (self.segment != target)
-        if not moves.any():
+        parts = np.unique(column[atoms])
+        parts = parts[parts >= 0]
+        moves = np.flatnonzero(
+            column == parts[0] if len(parts) == 1 else np.isin(column, parts, kind="table")
+        )
+        moves = moves[self.segment[moves] != target]
+        if len(moves) == 0:
             which = f"face {edit.faces[0]}" if len(edit.faces) == 1 else "all faces"
             raise EditError(f"{which} and onto_face {edit.onto_face} are in one segment already")
         return self._move(moves, target)
 
     def _split(self, edit: Split) -> Change:
-        moves = self.part(edit.face, edit.level, action="split")
+        moves = np.flatnonzero(self.part(edit.face, edit.level, action="split"))
         sources = np.unique(self.segment[moves])
-        if len(sources) == 1 and sources[0] >= 0 and np.array_equal(moves, self.segment == sources[0]):
+        if (
+            len(sources) == 1
+            and sources[0] >= 0
+            and len(moves) == np.count_nonzero(self.segment == sources[0])
+        ):
             finer = "a finer level or a cut" if edit.level != "dihedral" else "a cut"
             raise EditError(
                 f"the part under face {edit.face} is a segment of its own already; {finer} can divide it"
@@ -178,7 +187,7 @@ class Partition:
             raise EditError(f"face {edit.face} is unlabeled: there is no segment to name")
         if self.names.get(home, "") == edit.name:
             raise EditError(f"the segment under face {edit.face} is called {edit.name!r} already")
-        change = self._change(np.zeros(self.atoms.n, dtype=bool))
+        change = self._change(np.empty(0, dtype=np.int64))
         self.names = {**self.names, home: edit.name}
         if not edit.name:
             del self.names[home]
@@ -196,22 +205,21 @@ class Partition:
         faces = np.flatnonzero((self.segment == home)[self.atoms.face_atom])
         digest = hashlib.blake2b(faces.astype("<i4").tobytes(), digest_size=16).digest()
         is_b = self.known_cuts.get((edit, digest))
-        if is_b is None or len(is_b) != len(faces):
+        if is_b is None or len(is_b) != len(faces) or not is_b.any() or is_b.all():
             is_b = cut_segment(self.automatic.mesh, faces, edit.face_a, edit.face_b)
         self.known_cuts[edit, digest] = is_b
         is_inside = np.zeros(self.automatic.mesh.n_faces, dtype=bool)
         is_inside[faces[is_b]] = True
         self._refine(is_inside)
-        moves = np.zeros(self.atoms.n, dtype=bool)
-        moves[self.atoms.face_atom[faces[is_b]]] = True
+        moves = np.flatnonzero(np.bincount(self.atoms.face_atom[faces[is_b]]))
         return dataclasses.replace(self._move(moves, None), cut=KnownCut(digest, is_b))
 
-    def _move(self, moves: BoolArray, target: int | None) -> Change:
+    def _move(self, moves: IntArray, target: int | None) -> Change:
         """Put atoms into a segment, a new one if None. A name is not lost with the last of its faces."""
         change = self._change(moves)
         if target is None:
             target, self._next_id = self._next_id, self._next_id + 1
-        self.segment = np.where(moves, target, self.segment)
+        self.segment[moves] = target
         sources = np.unique(change.before)
         gone = [int(s) for s in sources if s >= 0 and not (self.segment == s).any()]
         self.names = {i: name for i, name in self.names.items() if i not in gone}
@@ -221,8 +229,7 @@ class Partition:
                 self.names[target] = inherited[0]
         return change
 
-    def _change(self, moves: BoolArray) -> Change:
-        atoms = np.flatnonzero(moves)
+    def _change(self, atoms: IntArray) -> Change:
         n_faces = int(self._faces_of_atom[atoms].sum())
         return Change(atoms, self.segment[atoms], self.names, self.atoms.n, self._next_id, n_faces)
 
@@ -280,7 +287,9 @@ class Partition:
 
     def _dense(self) -> tuple[npt.NDArray[np.int32], IntArray]:
         """Label of each atom, and the id of the segment behind each label."""
-        ids, index = np.unique(self.segment, return_inverse=True)
+        is_used = np.bincount(self.segment + 1, minlength=self._next_id + 1) > 0
+        ids = np.flatnonzero(is_used) - 1
+        index = (np.cumsum(is_used) - 1)[self.segment + 1]
         area = np.bincount(index[self.atoms.face_atom], self.automatic.mesh.face_areas, minlength=len(ids))
         first = np.full(len(ids), self.automatic.mesh.n_faces)
         np.minimum.at(first, index, self.atoms.first_face)

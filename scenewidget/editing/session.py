@@ -356,7 +356,8 @@ class Session:
     def n_segments(self) -> int:
         """Number of segments now."""
         with self._lock:
-            return int((np.unique(self._partition.segment) >= 0).sum())
+            segment = self._partition.segment
+            return int(np.count_nonzero(np.bincount(segment[segment >= 0])))
 
     @property
     def edits(self) -> list[Edit]:
@@ -416,12 +417,10 @@ class Session:
         """(n_atoms,) segment of each atom, -1 unlabeled; ids that never change while a segment lives.
 
         These aren't the labels of `segmentation`, which are numbered by area after every edit; a view
-        that colours by them keeps its colours. Costs nothing, however many faces there are.
+        that colours by them keeps its colours. Costs next to nothing, however many faces there are.
         """
         with self._lock:
-            table = self._partition.segment.view()
-            table.flags.writeable = False
-            return table
+            return self._partition.segment.copy()
 
     @property
     def segment_names(self) -> dict[int, str]:
