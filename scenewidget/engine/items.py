@@ -162,16 +162,18 @@ def superfacet_items(
         raise MeshError("the mesh has no face with an area: it has no surface to segment")
     normals = filter_normals(mesh, pairs, sweeps=sweeps, monitor=monitor)
     monitor.tick(0.5)
-    bridges = find_bridges(mesh, pairs, bridge)
+    bridges = monitor.call(find_bridges, mesh, pairs, bridge)
     links = np.concatenate([pairs, bridges])
     i, j = links.T
     weights = (1.0 - np.einsum("ij,ij->i", normals[i], normals[j])).astype(np.float32)
-    order = np.argsort(weights, kind="stable")
+    order = monitor.call(np.argsort, weights, kind="stable")
     monitor.tick(0.7)
     size = float(min(min_faces, max(1, mesh.n_faces // n_items)))
     crumb = size * float(np.median(mesh.face_areas))
     while True:
-        label = felzenszwalb(mesh.n_faces, links, weights, threshold=threshold, min_size=size, order=order)
+        label = monitor.call(
+            felzenszwalb, mesh.n_faces, links, weights, threshold=threshold, min_size=size, order=order
+        )
         count, area = np.bincount(label), np.bincount(label, mesh.face_areas).astype(np.float64)
         # what is still below the minimum has no neighbour within reach: crumbs that float in the air
         is_kept = ((count >= size) | (area >= crumb)) & (area > 0)
@@ -181,7 +183,7 @@ def superfacet_items(
         monitor.tick(0.8)
     is_kept = _with_crumbs(is_kept, count, area, n_items)
     item = np.where(is_kept, np.cumsum(is_kept) - 1, -1).astype(np.int32)[label]
-    face_map = _with_specks(mesh, item, bridge)
+    face_map = monitor.call(_with_specks, mesh, item, bridge)
     report = {
         "superfacets": int(is_kept.sum()),
         "smallest superfacet in faces": int(size),
@@ -189,7 +191,7 @@ def superfacet_items(
         "faces floating free of everything": int((face_map < 0).sum()),
         "bridges between fragments": len(bridges),
     }
-    return _build(mesh, item, face_map, links, normals, report)
+    return monitor.call(_build, mesh, item, face_map, links, normals, report)
 
 
 def _with_crumbs(is_kept: BoolArray, count: IntArray, area: FloatArray, n_items: int) -> BoolArray:

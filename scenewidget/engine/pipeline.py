@@ -344,7 +344,7 @@ def _n_threads() -> int:
 
 
 def _adjacency(mesh: Mesh, *, monitor: Monitor) -> IntArray:
-    return face_adjacency(mesh)
+    return monitor.call(face_adjacency, mesh)
 
 
 def _superfacets(mesh: Mesh, pairs: IntArray, *, monitor: Monitor, **options: Any) -> Items:

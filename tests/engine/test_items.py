@@ -64,11 +64,12 @@ def test_superfacets_of_any_mesh_are_sound(mesh, n_items):
     dropped = int((items.face_map < 0).sum())
     assert dropped == items.report["faces floating free of everything"]
     links = np.concatenate([face_adjacency(mesh), find_bridges(mesh, face_adjacency(mesh), 0.06)])
-    same = items.face_map[links[:, 0]] == items.face_map[links[:, 1]]
+    same = items.item_of_face[links[:, 0]] == items.item_of_face[links[:, 1]]
     _, piece = connected_components(mesh.n_faces, links[same])
-    labeled = items.face_map >= 0
-    assert same_partition(piece[labeled], items.face_map[labeled])  # each item is in one piece
-    ends = items.face_map[links]
+    inside = items.item_of_face >= 0
+    assert same_partition(piece[inside], items.item_of_face[inside])  # each item is in one piece
+    np.testing.assert_array_equal(items.face_map[inside], items.item_of_face[inside])
+    ends = items.item_of_face[links]
     ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] != ends[:, 1])]
     np.testing.assert_array_equal(items.pairs, np.unique(np.sort(ends, axis=1), axis=0).reshape(-1, 2))
 
