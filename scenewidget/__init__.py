@@ -15,7 +15,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from scenewidget import baselines, datasets, engine, figures, metrics
+    from scenewidget import baselines, datasets, editing, engine, figures, metrics
     from scenewidget.editing.formats import export, import_labels
     from scenewidget.editing.session import Session
     from scenewidget.engine.mesh import Mesh, MeshError, load_mesh
@@ -45,7 +45,7 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "SceneWidget": "widget.scene_widget",
     "SpectralExplorer": "widget.spectral_explorer",
 }
-_MODULES = ("baselines", "datasets", "engine", "figures", "metrics")
+_MODULES = ("baselines", "datasets", "editing", "engine", "figures", "metrics")
 
 __all__ = [
     "Cancelled",
@@ -61,6 +61,7 @@ __all__ = [
     "__version__",
     "baselines",
     "datasets",
+    "editing",
     "engine",
     "evaluate",
     "export",

@@ -686,7 +686,7 @@ class Session:
         except OSError as error:
             self._must_renew = self._must_renew or renew
             if str(error) != self._file_problem:
-                warnings.warn(f"{error}. The edit is done, but only in memory", stacklevel=4)
+                warnings.warn(f"{error}. The edit is done, but only in memory", stacklevel=5)
             self._file_problem = str(error)
         else:
             self._n_durable, self._file_problem, self._must_renew = len(self._operations), "", False

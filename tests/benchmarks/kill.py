@@ -25,7 +25,7 @@ def main() -> None:
     arguments = parser.parse_args()
     begin = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
-        acknowledged, found = kill_rounds(folder, arguments.rounds, seed=arguments.seed)
+        acknowledged, found = kill_rounds(folder, arguments.rounds, seed=arguments.seed, longest=0.5)
         size = (Path(folder) / "room.swproj").stat().st_size
     lost = sum(max(0, n - m) for n, m in zip(acknowledged, found))
     print(

@@ -1,0 +1,34 @@
+"""Names for segments and the classes that they stand for."""
+
+import pytest
+
+import scenewidget as sw
+from scenewidget.editing.vocabulary import NYU40, SCANNET20, checked_vocabulary, nyu_class, nyu_id
+
+
+def test_the_lists_have_their_known_ids():
+    assert len(set(NYU40)) == 40
+    assert [nyu_id(name) for name in SCANNET20] == [
+        1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 14, 16, 24, 28, 33, 34, 36, 39,
+    ]  # fmt: skip
+    assert sw.editing.NYU40 is NYU40
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("chair", "chair"), ("Chair 12", "chair"), ("night stand", "nightstand"), ("fridge", "refrigerator"),
+     ("floor_mat", "floor mat"), ("tv", "television"), ("unicorn", ""), ("", ""), ("12", "")],
+)  # fmt: skip
+def test_names_stand_for_classes(name, expected):
+    assert nyu_class(name) == expected
+    assert (nyu_id(name) > 0) == (expected != "")
+
+
+def test_own_lists_are_checked():
+    assert checked_vocabulary([" a ", "b", "a"]) == ("a", "b")
+    for wrong in ("chair", 3, [3]):
+        with pytest.raises(TypeError):
+            checked_vocabulary(wrong)
+    for wrong in (["a", ""], ["x" * 201], map(str, range(10_001))):
+        with pytest.raises(ValueError, match="name"):
+            checked_vocabulary(wrong)
