@@ -91,7 +91,7 @@ def paper_figure(n: int = 40) -> Mesh:
 def folded(mesh: Mesh, axis: Literal["x", "y"], at: float, angle: float) -> Mesh:
     """Turn what lies beyond a line upwards about it, as paper is folded.
 
-    No edge changes its length if vertices lie along the line and only flat parts are turned: an isometry.
+    No edge changes its length if vertices lie along the line, and the mesh is flat there: an isometry.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def folded(mesh: Mesh, axis: Literal["x", "y"], at: float, angle: float) -> Mesh
         raise ValueError(f'axis must be "x" or "y", got {axis!r}')
     across = "xy".index(axis)
     vertices = mesh.vertices.copy()
-    is_beyond = vertices[:, across] > at + 1e-12
+    is_beyond = vertices[:, across] > at - 1e-9  # on the line only what was folded before moves
     out, up = vertices[is_beyond, across] - at, vertices[is_beyond, 2]
     vertices[is_beyond, across] = at + np.cos(angle) * out - np.sin(angle) * up
     vertices[is_beyond, 2] = np.sin(angle) * out + np.cos(angle) * up

@@ -139,9 +139,10 @@ def draw(
     layers = [(corners, lit(paint, corner_normals(corners, faces, smooth=smooth)))]
     width = LINE_WIDTH * diagonal
     if edges:
-        strips = ribbons(
-            edge_segments(faces, corners), drawn.face_normals, 0.7 * width, both_sides=not hides_back
-        )
+        segments = edge_segments(faces, corners)
+        typical = float(np.median(np.linalg.norm(segments[0][:, 1] - segments[0][:, 0], axis=1)))
+        thin = float(np.clip(0.03 * typical, 0.6 * width, 2.0 * width))
+        strips = ribbons(segments, drawn.face_normals, thin, both_sides=not hides_back)
         layers.append((strips, _flat(strips, INK)))
     if isolines and at_corners is not None and scale is not None:
         levels = np.linspace(scale.low, scale.high, isolines + 2)[1:-1]
@@ -163,7 +164,7 @@ def draw(
         if is_thinned:
             note += f"{'; ' if note else ''}{MOST_VECTORS} of {len(arrows)} arrows"
     if len(marked):
-        octahedra = markers(mesh.vertices[marked] - middle, 0.012 * diagonal)
+        octahedra = markers(mesh.vertices[marked] - middle, 0.016 * diagonal)
         layers.append((octahedra, lit(_flat(octahedra, MARK), corner_normals(octahedra, None, smooth=False))))
     return Drawing(
         np.concatenate([layer for layer, _ in layers]).astype(np.float32),

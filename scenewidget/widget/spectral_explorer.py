@@ -70,6 +70,8 @@ class SpectralExplorer(widgets.VBox):
     laplacian : "cotangent" or "uniform"
     max_faces : int
         10 000 answer within a tenth of a second.
+    view : (azimuth, elevation)
+        Degrees: from where it is looked at first.
     width, height : int
         Pixels of the picture.
 
@@ -107,6 +109,7 @@ class SpectralExplorer(widgets.VBox):
         k: int = 100,
         laplacian: LaplacianKind = "cotangent",
         max_faces: int = 10_000,
+        view: tuple[float, float] = (-60.0, 30.0),
         width: int = 640,
         height: int = 420,
     ) -> None:
@@ -121,7 +124,7 @@ class SpectralExplorer(widgets.VBox):
         self.set_trait("source", int(self.mesh.faces[0, 0]))
         self._make_controls()
         self._take_basis()
-        self.figure = Figure([self._drawing()], width=width, height=height)
+        self.figure = Figure([self._drawing()], view=view, width=width, height=height)
         self.children = [self._picture(), widgets.HBox([self._mode, self._kind]), *self._sliders.values()]
         self.observe(self._take_basis, "laplacian")
         self.observe(self._redraw, ["mode", "index", "n_functions", "source", "time", "laplacian"])
