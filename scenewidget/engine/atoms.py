@@ -31,7 +31,7 @@ class Atoms:
         """Number of atoms."""
         return len(self.first_face)
 
-    def table(self, labels: npt.NDArray[np.generic]) -> npt.NDArray[np.generic] | None:
+    def table(self, labels: IntArray) -> IntArray | None:
         """Label of each atom, (n_atoms,); None if `labels` cuts through an atom."""
         table = labels[self.first_face]
         return table if np.array_equal(table[self.face_atom], labels) else None

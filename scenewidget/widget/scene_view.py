@@ -65,8 +65,8 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
+from scenewidget.engine.atoms import Atoms, common_refinement
 from scenewidget.engine.mesh import IntArray, Mesh
-from scenewidget.widget.atoms import Atoms, common_refinement
 from scenewidget.widget.palette import adjacent_segments, choose_colors, inherited_colors, palette
 
 __all__ = ["SceneView"]

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from shapes import box, grid_square
 
+from scenewidget.engine.atoms import common_refinement
 from scenewidget.engine.mesh import Mesh
 from scenewidget.widget import scene_view
-from scenewidget.widget.atoms import common_refinement
 from scenewidget.widget.palette import (
     _differences,
     adjacent_segments,
