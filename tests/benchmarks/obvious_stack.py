@@ -44,7 +44,8 @@ def main() -> None:
     add_scan_option(parser)
     parser.add_argument("--items", type=int, default=10_000)
     parser.add_argument("--runs", type=int, default=50)
-    parser.add_argument("--plain-runs", type=int, default=50, help="fewer are scaled up")
+    parser.add_argument("--plain-runs", type=int, default=10, help="fewer are scaled up")
+    parser.add_argument("--steps", type=int, default=10_000, help="most steps of the greedy PEAC")
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
     params = Params.thesis(n_items=arguments.items, n_runs=arguments.runs)
@@ -88,7 +89,7 @@ def main() -> None:
     C, a, _, _ = co_association(keys, items.areas)
     Y = np.full((50, len(C)), 0.1 / 50)
     Y[cut_tree(average_linkage(C, a), n_clusters=min(50, len(C))), np.arange(len(C))] += 0.9
-    Y, violation, n_steps = greedy_peac(C, a, Y)
+    Y, violation, n_steps = greedy_peac(C, a, Y, max_steps=arguments.steps)
     plain["consensus"] = time.perf_counter() - start
 
     residual = C - Y.T @ Y
