@@ -99,15 +99,7 @@ class Vibration(Figure):
         """The figure, its play button and its slider."""
         import pythreejs as three
 
-        camera, controls = self._camera
-        panel = Panel(
-            self._drawing(self._column, 0.0),
-            camera,
-            controls,
-            self.width,
-            self.height,
-            morph=self.drawings[0],
-        )
+        panel = Panel(self._drawing(self._column, 0.0), self.stage, morph=self.drawings[0])
         times = np.linspace(0.0, PERIOD, N_KEYS)
         track = three.NumberKeyframeTrack(
             name=".morphTargetInfluences[0]",

@@ -89,26 +89,39 @@ class Figure:
     @cached_property
     def panels(self) -> list[Panel]:
         """What the browser draws, one for each drawing."""
-        camera, controls = self._camera
-        return [Panel(drawing, camera, controls, self.width, self.height) for drawing in self.drawings]
+        return [Panel(drawing, self.stage) for drawing in self.drawings]
 
     @cached_property
-    def _camera(self) -> tuple[Any, Any]:
+    def stage(self) -> Stage:
         """The camera and the mouse's hold on it, both shared, so that turning one panel turns all."""
+        return Stage(self.drawings, self.view, self.width, self.height)
+
+
+class Stage:
+    """A camera that looks at the origin, the mouse's hold on it, and where a drawing's origin is put.
+
+    The controls turn the camera towards the origin as soon as they exist, so it is the drawings that move.
+    """
+
+    def __init__(
+        self, drawings: Sequence[Drawing], view: tuple[float, float], width: int, height: int
+    ) -> None:
         import pythreejs as three
 
-        aspect = self.width / self.height
-        place = camera_for(self.drawings, self.view, aspect)
-        camera = three.PerspectiveCamera(
+        self.width, self.height = width, height
+        place = camera_for(drawings, view, width / height)
+        x, y, z = place.target
+        self.shift = (-x, -y, -z)
+        self.camera = three.PerspectiveCamera(
             fov=FIELD_OF_VIEW,
-            aspect=aspect,
+            aspect=width / height,
             near=0.02 * place.distance,
             far=8 * place.distance,
             up=(0.0, 0.0, 1.0),
-            position=tuple(place.position.tolist()),
+            position=tuple((place.position + self.shift).tolist()),
             quaternion=_quaternion(place),
         )
-        return camera, three.OrbitControls(controlling=camera, target=place.target)
+        self.controls = three.OrbitControls(controlling=self.camera)
 
 
 class Panel:
@@ -120,22 +133,20 @@ class Panel:
     def __init__(
         self,
         drawing: Drawing,
-        camera: Any,
-        controls: Any,
-        width: int,
-        height: int,
+        stage: Stage,
         *,
         morph: Drawing | None = None,
     ) -> None:
         import pythreejs as three
 
+        self._shift = stage.shift
         self.scene = three.Scene(background="#ffffff")
         self.renderer = three.Renderer(
             scene=self.scene,
-            camera=camera,
-            controls=[controls],
-            width=width,
-            height=height,
+            camera=stage.camera,
+            controls=[stage.controls],
+            width=stage.width,
+            height=stage.height,
             antialias=True,
             background="#ffffff",
         )
@@ -143,7 +154,7 @@ class Panel:
         self.object: Any = None
         self.draw(drawing, morph=morph)
         self.widget = widgets.VBox(
-            [self.title, self.renderer, self.legend], layout=widgets.Layout(width=f"{width + 8}px")
+            [self.title, self.renderer, self.legend], layout=widgets.Layout(width=f"{stage.width + 8}px")
         )
         self.widget.add_class("scenewidget-figure")
 
@@ -177,7 +188,9 @@ class Panel:
         target = {"position": [self.attributes["morph"]]} if "morph" in arrays else {}
         geometry = three.BufferGeometry(attributes=plain, morphAttributes=target)
         material = three.MeshBasicMaterial(vertexColors="VertexColors", side=side, morphTargets=bool(target))
-        self.object = three.Mesh(geometry, material, morphTargetInfluences=[0.0] if target else [])
+        self.object = three.Mesh(
+            geometry, material, position=self._shift, morphTargetInfluences=[0.0] if target else []
+        )
         self.scene.children = [self.object]
 
 

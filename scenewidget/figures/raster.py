@@ -49,11 +49,14 @@ class Camera:
         axes = cls(azimuth, elevation, 1.0).axes
         seen = points.astype(np.float64) @ axes.T
         middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
-        right, up, towards = (seen - middle).T
         half = np.tan(np.radians(FIELD_OF_VIEW / 2)) * FILLED
-        reach = np.maximum(np.abs(right) / (half * aspect), np.abs(up) / half)
+        for _ in range(4):  # what is nearer looks larger: moving to its middle changes where the middle is
+            right, up, towards = (seen - middle).T
+            reach = np.maximum(np.abs(right) / (half * aspect), np.abs(up) / half)
+            distance = max(float((reach + towards).max()), 1e-9)
+            on_screen = np.stack([right, up], axis=1) / np.maximum(distance - towards, 1e-9)[:, None]
+            middle[:2] += 0.5 * distance * (on_screen.min(axis=0) + on_screen.max(axis=0))
         target = middle @ axes
-        distance = max(float((reach + towards).max()), 1e-9)
         return cls(azimuth, elevation, distance, (float(target[0]), float(target[1]), float(target[2])))
 
     @property

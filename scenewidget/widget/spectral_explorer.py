@@ -206,24 +206,27 @@ class SpectralExplorer(widgets.VBox):
     def _make_controls(self) -> None:
         low, high = (end(self.mesh.vertices[self.mesh.faces], axis=(0, 1)) for end in (np.min, np.max))
         self._middle = (low + high) / 2
-        wide = {"layout": widgets.Layout(width="460px"), "style": {"description_width": "150px"}}
+
+        def wide() -> dict[str, Any]:
+            return {"layout": widgets.Layout(width="460px"), "style": {"description_width": "150px"}}
+
         last = self.basis.k - 1
         self.set_trait("index", min(self.index, last))
         self.set_trait("n_functions", min(self.n_functions, last + 1))
         self._mode = widgets.Dropdown(
-            options=[(label, name) for name, (label, _) in MODES.items()], description="Show", **wide
+            options=[(label, name) for name, (label, _) in MODES.items()], description="Show", **wide()
         )
         self._kind = widgets.ToggleButtons(options=KINDS, style={"button_width": "90px"})
         self._sliders = {
-            "index": widgets.IntSlider(self.index, 0, last, description="Eigenfunction", **wide),
+            "index": widgets.IntSlider(self.index, 0, last, description="Eigenfunction", **wide()),
             "n_functions": widgets.IntSlider(
-                self.n_functions, 1, last + 1, description="Basis functions", **wide
+                self.n_functions, 1, last + 1, description="Basis functions", **wide()
             ),
             "time": widgets.FloatLogSlider(
-                1.0, min=-9, max=9, step=0.02, description="Diffusion time t", readout_format=".3g", **wide
+                1.0, min=-9, max=9, step=0.02, description="Diffusion time t", readout_format=".3g", **wide()
             ),
             "source": widgets.BoundedIntText(
-                self.source, 0, self.mesh.n_vertices - 1, description="Source vertex", **wide
+                self.source, 0, self.mesh.n_vertices - 1, description="Source vertex", **wide()
             ),
         }
         traitlets.link((self, "mode"), (self._mode, "value"))
@@ -245,7 +248,7 @@ class SpectralExplorer(widgets.VBox):
     def _move_source(self, change: dict[str, Any]) -> None:
         if change["owner"].faceIndex is None:
             return
-        place = np.array(change["new"]) + self._middle
+        place = np.array(change["new"]) - self.figure.stage.shift + self._middle
         used = np.unique(self.mesh.faces)
         self.source = int(used[np.linalg.norm(self.vertices[used] - place, axis=1).argmin()])
 

@@ -1,0 +1,162 @@
+"""The notebooks on spectral geometry as a reader goes through them: run, scroll, look, turn, slide."""
+
+from __future__ import annotations
+
+import io
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from scenewidget.figures.raster import Camera
+
+FOLDER = Path(__file__).parent.parent.parent / "notebooks"
+FIGURES = ".scenewidget-figure .jupyter-threejs"
+DONE = """() => [...window.jupyterapp.shell.currentWidget.context.model.cells]
+    .filter(cell => cell.type === 'code').every(cell => cell.executionCount !== null)
+    && window.jupyterapp.shell.currentWidget.context.sessionContext.session.kernel.status === 'idle'"""
+SCROLL = """index => {
+    const book = window.jupyterapp.shell.currentWidget.content;
+    book.activeCellIndex = index;
+    book.scrollToItem(index, "start");
+}"""
+CELLS_WITH_FIGURES = """() => [...window.jupyterapp.shell.currentWidget.context.model.cells]
+    .map((cell, i) => [cell, i])
+    .filter(([cell]) => cell.type === 'code' && JSON.stringify(cell.outputs.toJSON()).includes('widget-view'))
+    .map(([, i]) => i)"""
+
+
+def pixels(element) -> np.ndarray:
+    """(height, width, 3) uint8 what a person sees of it."""
+    return np.asarray(Image.open(io.BytesIO(element.screenshot())).convert("RGB"))
+
+
+def is_drawn(picture: np.ndarray) -> bool:
+    """Something that is not the background, in more than one shade."""
+    is_ink = (picture < 245).any(axis=2)
+    return is_ink.mean() > 0.02 and len(np.unique(picture[is_ink] // 16, axis=0)) > 3
+
+
+@pytest.fixture
+def run(notebook, jupyter):
+    def run_all(name: str):
+        path = next(FOLDER.glob(f"{name}*.ipynb"))
+        shutil.copy(path, jupyter.folder)
+        book = notebook(["None"], height=1000)
+        book.open_file(path.name)
+        book.run_all()
+        book.page.wait_for_function(DONE, timeout=90_000)
+        return book
+
+    return run_all
+
+
+def figures_of(book, cell: int):
+    """The 3D pictures of a cell, scrolled to."""
+    book.page.evaluate(SCROLL, cell)
+    place = book.page.locator(f'.jp-Cell[data-windowed-list-index="{cell}"] {FIGURES}')
+    place.first.wait_for(state="visible", timeout=15_000)
+    place.first.scroll_into_view_if_needed()
+    return place
+
+
+def wait_until_drawn(book, figure) -> np.ndarray:
+    for _ in range(50):
+        picture = pixels(figure)
+        if is_drawn(picture):
+            return picture
+        book.page.wait_for_timeout(100)
+    return picture
+
+
+@pytest.mark.parametrize(
+    ("name", "n_figures"),
+    [("02", 6), ("03", 6), ("04", 6), ("05", 7)],
+    ids=["a scan is a graph", "two Laplacians", "the spectrum", "signatures"],
+)
+def test_every_figure_is_drawn_and_nothing_logs_an_error(run, name, n_figures):
+    book = run(name)
+    cells = book.page.evaluate(CELLS_WITH_FIGURES)
+    assert len(cells) >= n_figures
+    for cell in cells:
+        figures = figures_of(book, cell)
+        for i in range(figures.count()):
+            assert is_drawn(wait_until_drawn(book, figures.nth(i))), f"cell {cell}, figure {i} is blank"
+    assert book.errors == []
+
+
+def test_turning_one_of_a_row_turns_all(notebook):
+    book = notebook(
+        [
+            "import scenewidget as sw\n"
+            "from scenewidget.datasets.analytic import torus\n"
+            "sw.figures.side_by_side([sw.figures.show(torus()), sw.figures.show(torus(1, 0.2))])"
+        ]
+    )
+    book.run_all()
+    pictures = book.page.locator(FIGURES)
+    pictures.nth(1).wait_for(state="visible", timeout=30_000)
+    before = [wait_until_drawn(book, pictures.nth(i)) for i in range(2)]
+    box = pictures.nth(0).bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    book.page.mouse.move(x, y)
+    book.page.mouse.down()
+    book.page.mouse.move(x + 30, y + 70, steps=5)
+    book.page.wait_for_timeout(200)  # while the button is still down
+    after = [pixels(pictures.nth(i)) for i in range(2)]
+    book.page.mouse.up()
+    for old, new in zip(before, after, strict=True):
+        assert (np.abs(old.astype(int) - new) > 30).any(axis=2).mean() > 0.05
+    assert book.errors == []
+
+
+def test_the_explorer_follows_its_sliders_and_a_double_click(notebook):
+    book = notebook(
+        [
+            "import scenewidget as sw\n"
+            "from scenewidget.datasets.analytic import square\n"
+            "explorer = sw.SpectralExplorer(square(70))\n"
+            "explorer"
+        ]
+    )
+    book.run_all()
+    picture = book.page.locator(FIGURES)
+    picture.wait_for(state="visible", timeout=30_000)
+    before = wait_until_drawn(book, picture)
+
+    slider = book.page.locator(".widget-slider").filter(has_text="Eigenfunction").first
+    slider.locator(".widget-readout").click()
+    book.page.keyboard.press("Control+A")
+    book.page.keyboard.type("7")
+    book.page.keyboard.press("Enter")
+    book.page.wait_for_function(
+        "() => document.querySelector('.scenewidget-figure').textContent.includes('φ₇')", timeout=10_000
+    )
+    assert book.evaluate("explorer.index") == "7"
+    assert np.abs(before.astype(int) - pixels(picture)).mean() > 5
+
+    book.page.locator(".widget-dropdown select").select_option("Heat from a point")
+    book.page.wait_for_function(
+        "() => document.querySelector('.scenewidget-figure').textContent.includes('heat from')",
+        timeout=10_000,
+    )
+    source = book.evaluate("explorer.source")
+    box = picture.bounding_box()
+    book.page.mouse.dblclick(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    book.page.wait_for_function(
+        f"() => !document.querySelector('.scenewidget-figure').textContent.includes('vertex {source} ')",
+        timeout=10_000,
+    )
+    clicked = np.array(json.loads(book.evaluate("explorer.mesh.vertices[explorer.source].tolist()")))
+    target = -np.array(json.loads(book.evaluate("list(explorer.figure.stage.shift)")))
+    towards = Camera(-60, 30, 1.0).axes[2]
+    middle = target - towards * (target[2] / towards[2])  # of the picture, on the plane of the square
+    np.testing.assert_allclose(clicked, middle + np.array([0.5, 0.5, 0.0]), atol=0.03)
+    book.page.locator(".widget-toggle-buttons button").filter(has_text="uniform").click()
+    book.page.wait_for_function(
+        "() => !document.querySelector('.scenewidget-figure').textContent.includes('m²')", timeout=10_000
+    )
+    assert book.errors == []

@@ -1,0 +1,157 @@
+import time
+
+import numpy as np
+import pytest
+import traitlets
+from shapes import blob, box, grid_square, icosphere, joined
+
+import scenewidget as sw
+from scenewidget.engine.features import heat_kernel_signature
+from scenewidget.engine.operators import eigenbasis
+from scenewidget.widget.spectral_explorer import SpectralExplorer, heat_from, low_pass
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return blob(2)
+
+
+@pytest.fixture
+def explorer(mesh):
+    return SpectralExplorer(mesh, k=30)
+
+
+def positions(explorer):
+    """Corners that the browser draws, (n_faces, 3, 3), where they are on the mesh."""
+    (panel,) = explorer.figure.panels
+    corners = panel.attributes["position"].array[: 3 * explorer.mesh.n_faces].reshape(-1, 3, 3)
+    used = explorer.mesh.vertices[explorer.mesh.faces]
+    return corners + 0.5 * (used.min(axis=(0, 1)) + used.max(axis=(0, 1)))
+
+
+def test_eigenfunctions_are_those_of_the_engine(explorer, mesh):
+    for kind in ("cotangent", "uniform"):
+        explorer.laplacian = kind
+        expected = eigenbasis(mesh, 30, laplacian=kind)
+        explorer.index = 7
+        np.testing.assert_array_equal(explorer.values, expected.vectors[:, 7])
+        assert f"{expected.values[7]:.4g}" in explorer.figure.drawings[0].title
+
+
+def test_low_pass_shapes_get_nearer_until_nothing_is_missing():
+    ball = icosphere(1)
+    basis = eigenbasis(ball, ball.n_vertices)
+    distances = [
+        np.linalg.norm(low_pass(basis, ball.vertices, k) - ball.vertices) for k in range(1, basis.k + 1)
+    ]
+    assert (np.diff(distances) <= 1e-9).all()
+    assert distances[-1] == pytest.approx(0, abs=1e-9)
+    np.testing.assert_allclose(low_pass(basis, ball.vertices, 4), ball.vertices, atol=1e-9)  # l = 0 and 1
+    np.testing.assert_allclose(low_pass(basis, np.full(ball.n_vertices, 3.0), 1), 3.0)
+
+
+def test_the_browser_gets_the_low_pass_shape(explorer, mesh):
+    explorer.mode = "low pass"
+    explorer.n_functions = 9
+    expected = low_pass(explorer.basis, mesh.vertices, 9)
+    np.testing.assert_allclose(positions(explorer), expected[mesh.faces], atol=1e-5)
+    np.testing.assert_allclose(explorer.values, np.linalg.norm(expected - mesh.vertices, axis=1))
+    explorer.mode = "eigenfunction"
+    np.testing.assert_allclose(positions(explorer), mesh.vertices[mesh.faces], atol=1e-5)
+
+
+def test_heat_keeps_its_sum_and_agrees_with_the_signature_at_its_source(explorer):
+    explorer.mode = "heat"
+    basis = explorer.basis
+    for vertex, t in ((3, 0.05), (40, 2.0)):
+        explorer.source, explorer.time = vertex, t
+        heat = explorer.values
+        assert basis.mass @ heat == pytest.approx(1.0)
+        assert heat[vertex] == pytest.approx(heat_kernel_signature(basis, np.array([t]))[vertex, 0])
+    np.testing.assert_allclose(heat_from(basis, 3, 1e3), 1 / basis.mass.sum())
+
+
+def test_heat_stays_on_its_piece():
+    pieces = joined(icosphere(1), box(2), gap=3.0)
+    heat = heat_from(eigenbasis(pieces, 40), 0, 0.2)
+    assert abs(heat[icosphere(1).n_vertices :]).max() < 1e-9
+
+
+def test_the_signature_is_that_of_the_engine(explorer):
+    explorer.mode, explorer.time = "signature", 0.3
+    expected = heat_kernel_signature(explorer.basis, np.array([0.3]))[:, 0]
+    np.testing.assert_array_equal(explorer.values, expected)
+
+
+def test_sliders_and_attributes_follow_each_other(explorer):
+    explorer._sliders["index"].value = 5
+    assert explorer.index == 5
+    explorer.mode = "heat"
+    assert explorer._mode.value == "heat"
+    assert [name for name, s in explorer._sliders.items() if s.layout.display == ""] == ["time", "source"]
+    before = explorer.figure.drawings[0]
+    explorer.index = 6  # not shown now: nothing is drawn again
+    assert explorer.figure.drawings[0] is before
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("index", 30), ("n_functions", 31), ("source", 10**6), ("mode", "sound")]
+)
+def test_what_is_out_of_range_is_refused_and_changes_nothing(explorer, name, value):
+    before = getattr(explorer, name)
+    with pytest.raises(traitlets.TraitError):
+        setattr(explorer, name, value)
+    assert getattr(explorer, name) == before
+    assert np.isfinite(explorer.values).all()
+
+
+def test_a_double_click_moves_the_source_to_the_nearest_vertex(explorer, mesh):
+    explorer.mode = "heat"
+    (panel,) = explorer.figure.panels
+    picker = panel.renderer.controls[-1]
+    used = mesh.vertices[mesh.faces]
+    middle = 0.5 * (used.min(axis=(0, 1)) + used.max(axis=(0, 1)))
+    picker.faceIndex = 0
+    picker.point = tuple(mesh.vertices[17] - middle + explorer.figure.stage.shift + 1e-4)
+    assert explorer.source == 17
+
+
+def test_large_meshes_are_simplified_and_it_says_so():
+    explorer = SpectralExplorer(icosphere(4), k=5, max_faces=1_000)
+    assert 800 < explorer.mesh.n_faces <= 1_000
+    assert "simplified from 5120" in explorer._remark.value
+
+
+def test_tiny_meshes_work():
+    explorer = SpectralExplorer(box(1), k=100)
+    assert repr(explorer) == "SpectralExplorer(12 faces, 8 eigenfunctions)"
+    for mode in ("eigenfunction", "low pass", "heat", "signature"):
+        explorer.mode = mode
+        assert np.isfinite(explorer.values).all()
+
+
+def test_it_displays_with_a_picture():
+    bundle = SpectralExplorer(box(2))._repr_mimebundle_()
+    assert {"text/plain", "image/png", "application/vnd.jupyter.widget-view+json"} <= set(bundle)
+
+
+def test_ten_thousand_faces_answer_within_a_tenth_of_a_second():
+    explorer = SpectralExplorer(grid_square(70))
+    assert explorer.mesh.n_faces == 9_800
+    seconds = []
+    for mode, name, values in (
+        ("eigenfunction", "index", range(10, 15)),
+        ("low pass", "n_functions", range(30, 35)),
+        ("heat", "time", np.geomspace(0.01, 0.1, 5)),
+        ("signature", "time", np.geomspace(0.02, 0.2, 5)),
+    ):
+        explorer.mode = mode
+        for value in values:
+            start = time.perf_counter()
+            setattr(explorer, name, value)
+            seconds.append(time.perf_counter() - start)
+    assert np.median(seconds) < 0.1
+
+
+def test_it_is_public():
+    assert sw.SpectralExplorer is SpectralExplorer
