@@ -274,7 +274,7 @@ def test_a_figure_carries_a_picture_a_widget_and_a_stable_text():
     assert bundle["text/plain"] == "Figure(1 panel)"
     assert "application/vnd.jupyter.widget-view+json" in bundle
     picture = np.asarray(Image.open(io.BytesIO(base64.b64decode(bundle["image/png"]))).convert("RGB"))
-    assert picture.shape == (426, 560, 3)
+    assert picture.shape == (406, 520, 3)
     assert (picture[26:] < 245).any(axis=2).mean() > 0.2
 
 

@@ -33,8 +33,8 @@ def vibration(
     edges: bool = False,
     back_faces: bool | None = None,
     view: tuple[float, float] = (-60.0, 30.0),
-    width: int = 560,
-    height: int = 400,
+    width: int = 520,
+    height: int = 380,
     max_faces: int = 20_000,
 ) -> Vibration:
     """A mesh that swings: each point moves along its normal by the eigenfunction there, to and fro.

@@ -44,8 +44,8 @@ class Figure:
         drawings: Sequence[Drawing],
         *,
         view: tuple[float, float] = (-60.0, 30.0),
-        width: int = 560,
-        height: int = 400,
+        width: int = 520,
+        height: int = 380,
     ) -> None:
         self.drawings = tuple(drawings)
         self.view = view

@@ -38,8 +38,8 @@ def show(
     back_faces: bool | None = None,
     vector_length: float | None = None,
     view: tuple[float, float] = (-60.0, 30.0),
-    width: int = 560,
-    height: int = 400,
+    width: int = 520,
+    height: int = 380,
     max_faces: int = 30_000,
 ) -> Figure:
     """A mesh to turn around, coloured by labels or numbers, with arrows on it.
