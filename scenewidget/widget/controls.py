@@ -1,7 +1,6 @@
 """Sliders for the parameters that one explores, as ipywidgets that can be observed and linked.
 
-Goes in: `Params`. Comes out: new `Params`, whenever a person moves something. Beside them the buttons
-that correcting by hand needs.
+Goes in: `Params`. Comes out: new `Params`, whenever a person moves something.
 """
 
 from __future__ import annotations
@@ -11,10 +10,9 @@ from typing import Any
 
 import ipywidgets as widgets
 
-from scenewidget.editing.session import Session
 from scenewidget.engine.params import Params
 
-__all__ = ["EditControls", "ParamsControls"]
+__all__ = ["ParamsControls"]
 
 STYLE = {"description_width": "7rem"}
 SLIDER = {"width": "25rem", "max_width": "100%"}
@@ -121,40 +119,3 @@ class ParamsControls(widgets.VBox):
         params = self._params.replace(**changes)
         self.show(params)
         self._on_change(params)
-
-
-class EditControls(widgets.HBox):
-    """Looking or editing, undo and redo.
-
-    Parameters
-    ----------
-    on_undo, on_redo : callable ()
-
-    Attributes
-    ----------
-    mode : ToggleButtons
-        "navigate": dragging turns the room; "edit": dragging a part onto another merges them, a right
-        click splits a part off.
-    undo, redo : Button
-    """
-
-    def __init__(self, on_undo: Callable[[], None], on_redo: Callable[[], None]) -> None:
-        self.mode = widgets.ToggleButtons(
-            options=[("Look", "navigate"), ("Edit", "edit")],
-            tooltips=["Dragging turns the room", "Drag a part onto another to merge, right-click to split"],
-            style={"button_width": "5rem"},
-            layout={"width": "auto"},
-        )
-        self.undo = widgets.Button(description="Undo", disabled=True, layout={"width": "7rem"})
-        self.redo = widgets.Button(description="Redo", disabled=True, layout={"width": "7rem"})
-        self.undo.on_click(lambda _: on_undo())
-        self.redo.on_click(lambda _: on_redo())
-        layout = {"margin": "6px 0 0", "align_items": "center"}
-        super().__init__([self.mode, self.undo, self.redo], layout=layout)
-
-    def show(self, session: Session) -> None:
-        """Offer what can be undone and redone, by name."""
-        history, undone = session.history, session.undone
-        self.undo.disabled, self.redo.disabled = not session.can_undo, not session.can_redo
-        self.undo.tooltip = f"Undo: {history[-1].title}" if history else "Nothing to undo"
-        self.redo.tooltip = f"Redo: {undone[-1].title}" if undone else "Nothing to redo"

@@ -21,6 +21,13 @@ State, synced both ways (observe or set any of them)
     ``"auto"`` follows the host.
 ``mode`` : ``"navigate"``, ``"edit"``
     What a left drag does: orbit, or merge and split.
+``editable`` : bool
+    Whether the toolbar offers Look and Edit, Undo and Redo. Edits then show at once, and whoever sets it
+    must `answer` the messages below.
+``vocabulary`` : list of str
+    Names to choose from when a segment is named.
+``undo_title``, ``redo_title`` : str
+    Name of the step that Undo and Redo would take; ``""`` = there is none.
 ``height`` : pixels
 ``busy`` : bool
     While True a slim progress bar, ``status`` and a Cancel button lie over the picture.
@@ -36,8 +43,8 @@ State that Python alone sets: ``levels`` (names), ``n_segments``, ``segment_name
 Methods
 -------
 ``set_partition(levels, segments, names=None)``, ``set_segments(segments, names=None)``,
-``clear_partition()``, ``set_values(values, ...)``, ``fit()``, ``look_from_above()``, ``reset()``;
-``segment_colors`` is the (n_segments, 3) uint8 table in use, for legends and lists.
+``clear_partition()``, ``set_values(values, ...)``, ``answer(message)``, ``fit()``, ``look_from_above()``,
+``reset()``; ``segment_colors`` is the (n_segments, 3) uint8 table in use, for legends and lists.
 
 Messages from the browser, received with ``view.on_msg(lambda view, message, buffers: ...)``
 ---------------------------------------------------------------------------------------------
@@ -49,7 +56,12 @@ Only in ``mode="edit"``; faces are those of the mesh as given, ``level`` a name 
 
 ``{"kind": "merge", "face": 12, "onto_face": 40, "level": "final", "revision": 3}``
 ``{"kind": "split", "face": 12, "level": "final", "revision": 3}``
+``{"kind": "relabel", "face": 12, "name": "chair", "revision": 3}``
 ``{"kind": "undo"}``, ``{"kind": "redo"}``
+
+If ``editable``, each also has ``client`` and ``number``: the browser shows the edit at once and goes on
+doing so, on top of whatever segments come, until `answer` says that the message has been dealt with. So
+``revision`` may be older than the view's: the person saw that one with their own later edits on top.
 """
 
 from __future__ import annotations
@@ -72,6 +84,7 @@ from scenewidget.widget.palette import adjacent_segments, choose_colors, inherit
 __all__ = ["SceneView"]
 
 STATIC = Path(__file__).parent.parent / "static"
+MAX_CLIENTS = 32  # pages that show a view at the same time
 UNLABELLED = 0xFFFFFFFF  # -1 in the tables that cross to the browser
 
 
@@ -96,6 +109,10 @@ class SceneView(anywidget.AnyWidget):
     back_faces = traitlets.Bool(False).tag(sync=True)
     theme = traitlets.Enum(("auto", "light", "dark"), "auto").tag(sync=True)
     mode = traitlets.Enum(("navigate", "edit"), "navigate").tag(sync=True)
+    editable = traitlets.Bool(False).tag(sync=True)
+    vocabulary = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    undo_title = traitlets.Unicode().tag(sync=True)
+    redo_title = traitlets.Unicode().tag(sync=True)
     height = traitlets.Int(560, min=120).tag(sync=True)
     busy = traitlets.Bool(False).tag(sync=True)
     progress = traitlets.Float(0.0, min=-1.0, max=1.0).tag(sync=True)
@@ -108,6 +125,8 @@ class SceneView(anywidget.AnyWidget):
     segment_names = traitlets.Dict(read_only=True).tag(sync=True)
     values_legend = traitlets.Dict(read_only=True).tag(sync=True)
 
+    _answers = traitlets.Dict().tag(sync=True)  # number of the last message dealt with, by client
+
     # arrays; _headers says dtype and shape of each
     _headers = traitlets.Dict().tag(sync=True)
     _vertices = traitlets.Bytes().tag(sync=True)
@@ -117,6 +136,7 @@ class SceneView(anywidget.AnyWidget):
     _atom_part = traitlets.Bytes().tag(sync=True)
     _atom_segment = traitlets.Bytes().tag(sync=True)
     _segment_colors = traitlets.Bytes().tag(sync=True)
+    _segment_confidence = traitlets.Bytes().tag(sync=True)
     _face_value = traitlets.Bytes().tag(sync=True)
     _colormap = traitlets.Bytes().tag(sync=True)
 
@@ -149,7 +169,11 @@ class SceneView(anywidget.AnyWidget):
         return f"SceneView({self.mesh.n_faces} faces{segments})"
 
     def set_partition(
-        self, levels: Mapping[str, IntArray], segments: IntArray, names: Mapping[int, str] | None = None
+        self,
+        levels: Mapping[str, IntArray],
+        segments: IntArray,
+        names: Mapping[int, str] | None = None,
+        confidence: npt.ArrayLike | None = None,
     ) -> None:
         """Show segments and the recommendation levels that hovering goes through.
 
@@ -158,11 +182,14 @@ class SceneView(anywidget.AnyWidget):
         Parameters
         ----------
         levels : mapping of name to (n_faces,) int
-            Part of each face at each level; -1 where there is none.
+            Part of each face at each level; -1 where there is none. Pointing at the level "final" shows
+            the segments as they are now, after edits.
         segments : (n_faces,) int
             Segment of each face; -1 = unlabelled, drawn grey.
         names : mapping of segment to str, optional
             Shown beside the number of a segment that is pointed at.
+        confidence : (n_segments,) float, optional
+            Likewise, 0 to 1.
         """
         checked = {name: self._checked(f"levels[{name!r}]", labels) for name, labels in levels.items()}
         segments = self._checked("segments", segments)
@@ -175,11 +202,16 @@ class SceneView(anywidget.AnyWidget):
             self._put("atom_part", _table(parts.reshape(len(checked), len(atoms.first_face))))
             if self.level not in checked:
                 self.level = "final" if "final" in checked else next(reversed(checked), "")
-            self._show_segments(segments, segments[atoms.first_face], names)
+            self._show_segments(segments, segments[atoms.first_face], names, confidence)
             if self.color_by in ("scan", "shaded") and self.revision == 1:
                 self.color_by = "segments"
 
-    def set_segments(self, segments: IntArray, names: Mapping[int, str] | None = None) -> None:
+    def set_segments(
+        self,
+        segments: IntArray,
+        names: Mapping[int, str] | None = None,
+        confidence: npt.ArrayLike | None = None,
+    ) -> None:
         """Show other segments over the same levels, as after an edit; sends one small table if it can.
 
         It can't if a segment cuts through an atom: then everything is sent as by `set_partition`.
@@ -187,16 +219,28 @@ class SceneView(anywidget.AnyWidget):
         segments = self._checked("segments", segments)
         table = None if self._atoms is None else self._atoms.table(segments)
         if table is None:
-            self.set_partition(self._levels, segments, names)
+            self.set_partition(self._levels, segments, names, confidence)
             return
         with self.hold_sync():
-            self._show_segments(segments, table, names)
+            self._show_segments(segments, table, names, confidence)
+
+    def answer(self, message: Mapping[str, Any]) -> None:
+        """Tell the browser that an edit's message has been dealt with, whether it changed anything or not.
+
+        Best together with what it changed, inside one ``hold_sync()``.
+        """
+        client, number = message.get("client"), message.get("number")
+        if isinstance(client, str) and isinstance(number, int):
+            others = {name: last for name, last in self._answers.items() if name != client}
+            for name in list(others)[: -(MAX_CLIENTS - 1)]:  # those that have been silent longest
+                del others[name]
+            self._answers = {**others, client: max(number, self._answers.get(client, 0))}
 
     def clear_partition(self) -> None:
         """Take segments and levels away; the scan itself stays."""
         self._atoms, self._levels, self._segments = None, {}, None
         with self.hold_sync():
-            for name in ("face_atom", "atom_part", "atom_segment", "segment_colors"):
+            for name in ("face_atom", "atom_part", "atom_segment", "segment_colors", "segment_confidence"):
                 self._put(name, np.zeros(0, np.uint32))
             self.set_trait("levels", [])
             self.set_trait("n_segments", 0)
@@ -275,8 +319,17 @@ class SceneView(anywidget.AnyWidget):
             )
         return array.astype(np.int32)
 
-    def _show_segments(self, segments: IntArray, table: IntArray, names: Mapping[int, str] | None) -> None:
+    def _show_segments(
+        self,
+        segments: IntArray,
+        table: IntArray,
+        names: Mapping[int, str] | None,
+        confidence: npt.ArrayLike | None,
+    ) -> None:
         n_rows = int(segments.max()) + 1
+        sure = np.zeros(0) if confidence is None else np.asarray(confidence)
+        if confidence is not None and sure.shape != (n_rows,):
+            raise ValueError(f"confidence must have shape ({n_rows},), one a segment, got {sure.shape}")
         known = None
         if self._segments is not None:
             known = inherited_colors(segments, n_rows, self._segments, self._color_rows)
@@ -286,6 +339,7 @@ class SceneView(anywidget.AnyWidget):
         self._segments = segments
         self._put("atom_segment", _table(table))
         self._put("segment_colors", self.segment_colors)
+        self._put("segment_confidence", sure.astype(np.float32))
         self.set_trait("n_segments", int(np.count_nonzero(sizes)))
         self.set_trait("segment_names", {str(segment): str(name) for segment, name in (names or {}).items()})
         self.set_trait("revision", self.revision + 1)

@@ -12,15 +12,16 @@ from collections.abc import Callable
 from typing import Any
 
 import ipywidgets as widgets
+import numpy as np
 import traitlets
 
 from scenewidget.editing.edits import EditError
 from scenewidget.editing.session import Event, Session
-from scenewidget.engine.mesh import Mesh
+from scenewidget.engine.mesh import FloatArray, Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import LEVELS, Segmentation
-from scenewidget.widget.controls import EditControls, ParamsControls
+from scenewidget.widget.controls import ParamsControls
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.worker import Worker
 
@@ -69,8 +70,6 @@ class SceneWidget(widgets.VBox):
         The picture: colours, level, camera.
     controls : ParamsControls
         The sliders.
-    edit_controls : EditControls
-        The buttons for editing.
     pipeline : Pipeline
 
     Raises
@@ -88,12 +87,14 @@ class SceneWidget(widgets.VBox):
             raise TypeError(f"params must be a Params, got {type(params).__name__}")
         params = params or Params()
         self.pipeline = Pipeline(mesh)
-        self.view = SceneView(self.pipeline.mesh, height=height)
+        self.view = SceneView(self.pipeline.mesh, height=height, editable=True)
         self.controls = ParamsControls(params, self._set_params, self._compute)
-        self.edit_controls = EditControls(self._undo, self._redo)
-        traitlets.link((self.edit_controls.mode, "value"), (self.view, "mode"))
         self.session: Session | None = None
         self._lock = threading.RLock()
+        self._message = threading.local()  # that this thread is dealing with
+        self._shown_automatic: Segmentation | None = None
+        self._shown_revision = -1  # of the session
+        self._first_revision = 0  # of the view, since the present automatic segmentation is shown
         self._error: BaseException | None = None
         self._shown_params: Params | None = None
         self._started = 0.0
@@ -103,7 +104,7 @@ class SceneWidget(widgets.VBox):
             on_error=self._show_error,
             on_cancelled=self._show_cancelled,
         )
-        super().__init__([self.view, self.edit_controls, self.controls], params=params)
+        super().__init__([self.view, self.controls], params=params)
         self.view.on_msg(self._handle_message)
         self.observe(self._take_params, "params")
         self._compute()
@@ -185,31 +186,35 @@ class SceneWidget(widgets.VBox):
         kind = message.get("kind") if isinstance(message, dict) else None
         if kind == "cancel":
             self.cancel()
-        elif kind == "undo":
-            self._undo()
+        elif kind in ("merge", "split", "relabel", "undo", "redo"):
+            self._message.now = message
+            try:
+                if self.session is not None:
+                    self._edit(self.session, kind, message)
+            except EditError as error:
+                self._remark(str(error))
+            except Exception as error:
+                self.view.error = f"{type(error).__name__}: {error}"
+                raise
+            finally:
+                with self._lock:
+                    self.view.answer(message)
+                del self._message.now
+
+    def _edit(self, session: Session, kind: str, message: dict[str, Any]) -> None:
+        if kind == "undo":
+            session.undo()
         elif kind == "redo":
-            self._redo()
-        elif kind in ("merge", "split") and self.session is not None:
-            if message.get("revision") != self.view.revision:
-                self._remark("The picture had just changed: nothing was edited")
-            elif kind == "merge":
-                self._edit(self.session.merge, message["face"], message["onto_face"], message["level"])
-            else:
-                self._edit(self.session.split, message["face"], message["level"])
-
-    def _undo(self) -> None:
-        if self.session is not None:
-            self._edit(self.session.undo)
-
-    def _redo(self) -> None:
-        if self.session is not None:
-            self._edit(self.session.redo)
-
-    def _edit(self, action: Callable[..., Any], *arguments: Any) -> None:
-        try:
-            action(*arguments)
-        except EditError as error:
-            self._remark(str(error))
+            session.redo()
+        elif message["revision"] < self._first_revision:
+            # it names faces of parts that are no longer there
+            self._remark("Another segmentation had just come: nothing was edited")
+        elif kind == "merge":
+            session.merge(message["face"], message["onto_face"], message["level"])
+        elif kind == "split":
+            session.split(message["face"], message["level"])
+        else:
+            session.relabel(message["face"], message["name"])
 
     def _remark(self, text: str) -> None:
         """Say something in the status line, unless a computation speaks there."""
@@ -218,22 +223,38 @@ class SceneWidget(widgets.VBox):
                 self.view.status = text
 
     def _show_edit(self, event: Event) -> None:
-        """Show what the session holds now; called after each edit, undo and redo, from any thread."""
-        with self._lock:
-            session = self.session
-            if session is None:
-                return
-            segmentation = session.segmentation
-            names = {i: name for i, name in enumerate(segmentation.names) if name}
-            if event.kind == "segmentation":
-                levels = {str(level): segmentation.level(level) for level in LEVELS}
-                self.view.set_partition(levels, segmentation.labels, names)
-            elif event.kind in ("edit", "undo", "redo"):
-                self.view.set_segments(segmentation.labels, names)
-                done = {"edit": "", "undo": "Undone: ", "redo": "Redone: "}[event.kind]
-                self._remark(f"{done}{event.step.title if event.step else ''}")
-            self.edit_controls.show(session)
-            self.segmentation = segmentation
+        """Show what the session holds now; called after each edit, undo and redo, from any thread.
+
+        Asks the session before it takes the lock: a script that walks the history holds the session's own
+        lock while it tells us of each step.
+        """
+        session = self.session
+        if session is None:
+            return
+        revision = session.revision  # what is read below is this state or a newer one
+        automatic, segmentation = session.automatic, session.segmentation
+        history, undone = session.history, session.undone
+        names = {i: name for i, name in enumerate(segmentation.names) if name}
+        confidence = _mean_confidence(segmentation)
+        with self._lock, self.view.hold_sync():
+            if revision >= self._shown_revision:
+                self._shown_revision = revision
+                if automatic is not self._shown_automatic:
+                    self._shown_automatic = automatic
+                    levels = {str(level): automatic.level(level) for level in LEVELS}
+                    self.view.set_partition(levels, segmentation.labels, names, confidence)
+                    self._first_revision = self.view.revision
+                elif segmentation is not self.segmentation:
+                    self.view.set_segments(segmentation.labels, names, confidence)
+                self.view.undo_title = history[-1].title if history else ""
+                self.view.redo_title = undone[0].title if undone else ""
+                self.view.vocabulary = list(session.vocabulary)
+                self.segmentation = segmentation
+            if event.step is not None:
+                done = {"undo": "Undone: ", "redo": "Redone: "}.get(event.kind)
+                self._remark(f"{done}{event.step.title}" if done else "")
+            if message := getattr(self._message, "now", None):
+                self.view.answer(message)
 
     def _show_progress(self, stage: str, fraction: float) -> None:
         with self._lock, self.view.hold_sync():
@@ -242,14 +263,14 @@ class SceneWidget(widgets.VBox):
 
     def _show_result(self, result: tuple[Params, Segmentation]) -> None:
         params, segmentation = result
+        lost = 0
+        if self.session is None:
+            self.session = Session(self.mesh, segmentation, params=params)
+            self.session.observe(self._show_edit)
+            self._show_edit(Event("segmentation", None, 0))
+        else:
+            lost = len(self.session.resegment(segmentation, params))
         with self._lock:
-            lost = 0
-            if self.session is None:
-                self.session = Session(self.mesh, segmentation, params=params)
-                self.session.observe(self._show_edit)
-                self._show_edit(Event("segmentation", None, 0))
-            else:
-                lost = len(self.session.resegment(segmentation, params))
             self._shown_params = params
             seconds = time.perf_counter() - self._started
             summary = f"{segmentation.coverage:.1%} of the faces labeled, in {seconds:.1f} s"
@@ -274,3 +295,12 @@ class SceneWidget(widgets.VBox):
         self.controls.offer_rerun(self._shown_params != self.params)
         self.view.status, self.view.progress, self.view.busy = summary, 1.0, False
         self.set_trait("busy", False)
+
+
+def _mean_confidence(segmentation: Segmentation) -> FloatArray:
+    """(n_segments,) mean over the area, as `Segmentation.to_frame` tells it."""
+    labels, areas = segmentation.labels, segmentation.mesh.face_areas
+    keep, n = labels >= 0, int(labels.max(initial=-1)) + 1
+    area = np.bincount(labels[keep], areas[keep], n)
+    weighted = np.bincount(labels[keep], (areas * segmentation.confidence)[keep], n)
+    return np.divide(weighted, area, out=np.zeros(n), where=area > 0)

@@ -60,7 +60,8 @@ def test_style_is_as_agreed(tools):
 
 
 def test_pure_modules_import_no_page_and_no_webgl():
-    for name in ("wire", "camera", "geometry", "partition", "palette", "gestures", "keys"):
+    pure = ["wire", "camera", "geometry", "partition", "palette", "gestures", "keys", "editor", "description"]
+    for name in pure:
         source = (JS / "src" / f"{name}.js").read_text(encoding="utf-8")
         assert "document" not in source, name
         assert '"three"' not in source, name

@@ -135,6 +135,28 @@ def test_an_edit_that_cuts_through_atoms_sends_new_ones(view, quarters):
     assert view.levels == ["final"]
 
 
+def test_confidence_is_one_number_a_segment(view, quarters):
+    view.set_partition({}, quarters, confidence=[0.5, 1, 0, 0.25])
+    np.testing.assert_array_equal(array(view, "segment_confidence"), np.float32([0.5, 1, 0, 0.25]))
+    with pytest.raises(ValueError, match=r"confidence must have shape \(4,\), one a segment, got \(3,\)"):
+        view.set_segments(quarters, confidence=[1, 1, 1])
+    view.set_segments(quarters)
+    assert array(view, "segment_confidence").size == 0
+
+
+def test_answers_are_kept_for_the_pages_that_asked_last(view):
+    for number in (1, 2):
+        view.answer({"kind": "undo", "client": "a", "number": number})
+    view.answer({"kind": "undo", "client": "a", "number": 1})
+    assert view._answers == {"a": 2}
+    view.answer({"kind": "undo"})
+    for page in range(40):
+        view.answer({"client": str(page), "number": 1})
+    assert len(view._answers) == 32
+    assert "a" not in view._answers
+    assert "39" in view._answers
+
+
 def test_labels_alone_need_no_levels(view, quarters):
     view.set_segments(quarters, names={2: "chair"})
     assert (view.levels, view.level, view.n_segments) == ([], "", 4)

@@ -149,29 +149,94 @@ def gesture(widget, **message):
     widget.view._handle_custom_msg(message, [])
 
 
+def one_face_each(segmentation, n):
+    """A face of each of the first segments."""
+    return [int(np.argmax(segmentation.labels == segment)) for segment in range(n)]
+
+
 def test_gestures_edit_and_can_be_undone(widget):
     before = widget.wait(60)
-    first, second = (int(np.argmax(before.labels == segment)) for segment in (0, 1))
+    first, second = one_face_each(before, 2)
+    assert (widget.view.undo_title, widget.view.redo_title) == ("", "")
     gesture(widget, kind="merge", face=second, onto_face=first, level="final")
     assert widget.segmentation.n_segments == before.n_segments - 1 == widget.view.n_segments
     assert widget.segmentation.labels[first] == widget.segmentation.labels[second]
-    assert not widget.edit_controls.undo.disabled
+    assert (widget.view.undo_title, widget.view.redo_title) == ("Merge", "")
     gesture(widget, kind="undo")
     np.testing.assert_array_equal(widget.segmentation.labels, before.labels)
+    assert (widget.view.undo_title, widget.view.redo_title) == ("", "Merge")
+    assert widget.view.status == "Undone: Merge"
     gesture(widget, kind="redo")
     gesture(widget, kind="split", face=second, level="final")
     assert widget.segmentation.n_segments == before.n_segments
     assert len(widget.session.edits) == 2
 
 
-def test_a_gesture_on_an_older_picture_does_nothing(widget):
+def test_a_name_given_in_the_picture_is_that_of_the_segment(widget):
     before = widget.wait(60)
-    first, second = (int(np.argmax(before.labels == segment)) for segment in (0, 1))
-    gesture(
-        widget, kind="merge", face=second, onto_face=first, level="final", revision=widget.view.revision - 1
-    )
+    first, second = one_face_each(before, 2)
+    assert "chair" in widget.view.vocabulary
+    gesture(widget, kind="relabel", face=second, name=" <b>sofa</b> ")
+    assert widget.segmentation.names[1] == "<b>sofa</b>"
+    assert widget.view.segment_names == {"1": "<b>sofa</b>"}
+    gesture(widget, kind="merge", face=second, onto_face=first, level="final")
+    assert widget.segmentation.names[widget.segmentation.labels[first]] == "<b>sofa</b>"
+    widget.session.vocabulary = ["box", "lid"]
+    assert widget.view.vocabulary == ["box", "lid"]
+
+
+def test_gestures_may_follow_each_other_faster_than_the_picture(widget):
+    before = widget.wait(60)
+    seen = widget.view.revision
+    first, second, third = one_face_each(before, 3)
+    gesture(widget, kind="merge", face=second, onto_face=first, level="final", revision=seen)
+    gesture(widget, kind="merge", face=third, onto_face=first, level="final", revision=seen)
+    assert widget.segmentation.n_segments == before.n_segments - 2
+
+
+def test_a_gesture_on_another_segmentation_does_nothing(widget):
+    first, second = one_face_each(widget.wait(60), 2)
+    seen = widget.view.revision
+    widget.params = SMALL.replace(seed=5)
+    before = widget.wait(60)
+    message = {"kind": "merge", "face": second, "onto_face": first, "level": "final"}
+    gesture(widget, **message, revision=seen, client="a", number=1)
     assert widget.segmentation is before
     assert "nothing was edited" in widget.view.status
+    assert widget.view._answers == {"a": 1}
+
+
+def test_every_message_is_answered_together_with_what_it_changed(widget, monkeypatch):
+    first, second = one_face_each(widget.wait(60), 2)
+    sent = []
+    monkeypatch.setattr(widget.view, "send_state", lambda key=None: sent.append(set(key)))
+    merge = {"kind": "merge", "face": second, "onto_face": first, "level": "final", "client": "a"}
+    gesture(widget, **merge, number=1)
+    assert [keys for keys in sent if "_answers" in keys or "_atom_segment" in keys] == [
+        keys for keys in sent if {"_answers", "_atom_segment", "undo_title"} <= keys
+    ]
+    assert widget.view._answers == {"a": 1}
+    gesture(widget, **merge, number=2)  # refused: in one segment already
+    gesture(widget, kind="undo", client="b", number=1)
+    assert widget.view._answers == {"a": 2, "b": 1}
+
+
+def test_a_damaged_message_is_answered_shown_and_raised(widget):
+    before = widget.wait(60)
+    split = {"kind": "split", "revision": widget.view.revision, "client": "a"}
+    with pytest.raises(KeyError, match="level"):
+        widget._handle_message(None, {**split, "face": 0, "number": 1}, [])
+    with pytest.raises(ValueError, match="there is no face"):
+        widget._handle_message(None, {**split, "face": 10**9, "level": "final", "number": 2}, [])
+    assert "there is no face" in widget.view.error
+    assert widget.view._answers == {"a": 2}
+    assert widget.segmentation is before
+
+
+def test_the_view_knows_how_sure_each_segment_is(widget):
+    frame = widget.wait(60).to_frame()
+    sent = np.frombuffer(widget.view._segment_confidence, np.float32)
+    np.testing.assert_allclose(sent, frame["confidence"], rtol=1e-5)
 
 
 def test_an_edit_that_makes_no_sense_is_explained(widget):

@@ -111,6 +111,21 @@ export function projectionView(camera, aspect, { middle, radius }) {
 }
 
 /**
+ * Where a point is seen, each from -1 to 1; null behind the eye.
+ * @param {Camera} camera
+ * @param {Vec3} point
+ * @param {number} aspect
+ * @returns {[number, number] | null}
+ */
+export function project(camera, point, aspect) {
+  const { eye, right, up, forward } = frame(camera);
+  const away = subtract(point, eye);
+  const depth = dot(away, forward);
+  if (depth <= 0) return null;
+  return [dot(away, right) / (depth * TANGENT * aspect), dot(away, up) / (depth * TANGENT)];
+}
+
+/**
  * The nearest camera of the same direction that has all points in the picture.
  * @param {Camera} camera
  * @param {Float32Array} points  x, y, z one after another

@@ -10,12 +10,12 @@
 export const CLICK_TRAVEL = 4;
 
 /** @typedef {"navigate" | "edit"} Mode */
-/** @typedef {{ face: number, part: number }} Hit */
+/** @typedef {{ face: number, part: number, segment: number }} Hit */
 /** @typedef {{ x: number, y: number }} Place */
 
 /**
  * @typedef {object} PointerEventLike
- * @property {"down" | "move" | "up" | "cancel"} type
+ * @property {"down" | "move" | "up" | "cancel" | "choose"} type  choose: what a click does, by key
  * @property {number} id
  * @property {number} x
  * @property {number} y
@@ -59,6 +59,8 @@ export function step(gesture, event, mode) {
       return move(gesture, event);
     case "up":
       return release(gesture, event);
+    case "choose":
+      return gesture.phase === "idle" && event.hit ? choose(gesture, event.hit) : [gesture, []];
     default:
       return [IDLE, []];
   }
@@ -128,19 +130,31 @@ function release(gesture, event) {
   const { phase, from } = gesture;
   const to = event.hit ?? null;
   if (phase === "link" && from) {
-    const isEdit = to && to.part !== from.part;
+    const isEdit = to && !isSame(to, from);
     return [IDLE, isEdit ? [{ kind: "merge", face: from.face, onto: to.face }] : []];
   }
-  if (phase === "press" && from) {
-    if (!gesture.picked) return [{ ...rest, picked: from }, [{ kind: "click", face: from.face }]];
-    if (gesture.picked.part === from.part) return [IDLE, []];
-    return [IDLE, [{ kind: "merge", face: gesture.picked.face, onto: from.face }]];
-  }
+  if (phase === "press" && from) return choose(gesture, from);
   if (phase === "aside" && from) return [IDLE, [{ kind: "split", face: from.face }]];
   if (phase === "orbit" && travel(gesture.start, event) < CLICK_TRAVEL) {
     return [IDLE, from ? [{ kind: "click", face: from.face }] : []];
   }
   return [rest, []];
+}
+
+/**
+ * The first part chosen is picked, the second one is what it merges with; the same one again lets go.
+ * @param {Gesture} gesture
+ * @param {Hit} hit
+ * @returns {[Gesture, Action[]]}
+ */
+function choose({ picked }, hit) {
+  if (!picked) return [{ ...IDLE, picked: hit }, [{ kind: "click", face: hit.face }]];
+  return [IDLE, isSame(picked, hit) ? [] : [{ kind: "merge", face: picked.face, onto: hit.face }]];
+}
+
+/** @param {Hit} a @param {Hit} b */
+function isSame(a, b) {
+  return a.part === b.part && a.segment === b.segment;
 }
 
 /**

@@ -1,10 +1,12 @@
 /** Connects the model that Python holds with a view of it on the page. */
 
+import { counted, describeFace, segmentTitle } from "./description.js";
+import { canMerge, FINAL, foresee, NOTHING, Pending, replay } from "./editor.js";
 import { boundingBall, vertexNormals } from "./geometry.js";
 import { IDLE, step } from "./gestures.js";
 import { command } from "./keys.js";
 import { createPanel } from "./panel.js";
-import { describe, makePartition, NONE } from "./partition.js";
+import { countSegments, makePartition, NONE } from "./partition.js";
 import { watchTheme } from "./theme.js";
 import { Viewer } from "./viewer.js";
 import { readArray } from "./wire.js";
@@ -12,6 +14,8 @@ import { readArray } from "./wire.js";
 /** @typedef {import("./wire.js").Model} Model */
 /** @typedef {import("./renderer.js").MeshArrays} MeshArrays */
 /** @typedef {import("./gestures.js").PointerEventLike} PointerEventLike */
+/** @typedef {import("./gestures.js").Place} Place */
+/** @typedef {import("./camera.js").Vec3} Vec3 */
 
 const GEOMETRY = ["vertices", "faces", "vertex_colors"];
 const PARTITION = ["face_atom", "atom_part", "atom_segment", "segment_colors"];
@@ -34,6 +38,10 @@ function render({ model, el }) {
       model.save_changes();
     },
     cancel: () => model.send({ kind: "cancel" }),
+    walk: (kind) => walk(kind),
+    act: (what) => gesture.picked && act(what, gesture.picked.face, view.placeOf(points.picked ?? [0, 0, 0])),
+    letGo: () => feed({ type: "cancel", id: -1, x: 0, y: 0 }),
+    showAll: () => hide(null),
   });
   const { root, canvas } = panel;
 
@@ -47,10 +55,12 @@ function render({ model, el }) {
       onFailure: (error) => panel.showFailure(`The 3D view has stopped: ${messageOf(error)}`),
       onMove: () => {
         root.dataset.moving = "true";
+        stretch();
       },
       onRest: () => {
         root.dataset.moving = "false";
-        hover(pointer);
+        point();
+        stretch();
       },
     });
   } catch (error) {
@@ -62,11 +72,20 @@ function render({ model, el }) {
   }
   const view = viewer;
 
-  /** Where the pointer is; null when it is elsewhere. @type {import("./gestures.js").Place | null} */
+  /** Where the pointer is; null when it is elsewhere. @type {Place | null} */
   let pointer = null;
   let gesture = IDLE;
   /** @type {number | null} */
   let hoveredFace = null;
+  /** Whether keys were used last: without a pointer they aim at the middle. */
+  let isKeyboard = false;
+  /** Where on the surface the last press was, and where the picked part was taken. */
+  const points = { press: /** @type {Vec3 | null} */ (null), picked: /** @type {Vec3 | null} */ (null) };
+
+  const pending = new Pending(Math.random().toString(36).slice(2, 10));
+  /** What is shown: Python's segments with the edits on top that it hasn't answered yet. */
+  let ground = /** @type {import("./editor.js").Ground | null} */ (null);
+  let shown = /** @type {ReturnType<typeof replay> | null} */ (null);
 
   // from the model -----------------------------------------------------------------------------------
 
@@ -84,12 +103,18 @@ function render({ model, el }) {
       if (faceAtom && atomSegment) {
         const atomPart = /** @type {Uint32Array | null} */ (readArray(model, "atom_part"));
         const segmentColors = /** @type {Uint8Array | null} */ (readArray(model, "segment_colors"));
-        const level = model.get("levels").indexOf(model.get("level"));
-        view.setPartition(makePartition({ faceAtom, atomSegment, atomPart, segmentColors }, level));
+        pending.answered(model.get("_answers"));
+        ground = { faceAtom, parts: partsOf(model.get("levels"), atomPart, atomSegment.length) };
+        shown = replay(ground, { atomSegment, names: model.get("segment_names") }, pending.operations);
+        const level = model.get("level") === FINAL ? -1 : model.get("levels").indexOf(model.get("level"));
+        const tables = { faceAtom, atomSegment: shown.labels.atomSegment, atomPart, segmentColors };
+        view.setPartition(makePartition(tables, level, view.mesh));
       } else {
+        ground = shown = null;
         view.setPartition(null);
       }
-      hover(pointer, true);
+      gesture = { ...gesture, from: renewed(gesture.from), picked: renewed(gesture.picked) };
+      point(true);
     },
     values() {
       const values = /** @type {Uint16Array | null} */ (readArray(model, "face_value"));
@@ -98,8 +123,11 @@ function render({ model, el }) {
     },
     state() {
       root.style.height = `${model.get("height")}px`;
-      root.dataset.segments = String(model.get("n_segments"));
-      root.dataset.mode = model.get("mode");
+      root.dataset.segments = String(shown ? countSegments(shown.labels.atomSegment) : 0);
+      if (root.dataset.mode !== model.get("mode")) {
+        root.dataset.mode = model.get("mode");
+        feed({ type: "cancel", id: -1, x: 0, y: 0 });
+      }
       view.setLook({
         colorBy: model.get("color_by"),
         mixing: model.get("color_mix"),
@@ -121,24 +149,30 @@ function render({ model, el }) {
         status: model.get("status"),
         error: model.get("error"),
         mode: model.get("mode"),
-        summary: summaryOf(model, view),
+        editable: model.get("editable"),
+        undo: shown?.undo ?? (model.get("undo_title") || null),
+        redo: shown?.redo === NOTHING ? null : (shown?.redo ?? (model.get("redo_title") || null)),
+        pending: pending.operations.length,
+        nHidden: hiddenSegments(view),
+        vocabulary: model.get("vocabulary"),
+        summary: summaryOf(view),
         legend: legendOf(model),
       });
     },
   };
 
   /** Changes arrive one by one, also those that belong together: take them all at once, when they are in. */
-  const pending = new Set(/** @type {Array<keyof typeof take>} */ ([]));
+  const changes = new Set(/** @type {Array<keyof typeof take>} */ ([]));
   const changed = (/** @type {keyof typeof take} */ what) => {
-    if (pending.size === 0) queueMicrotask(takePending);
-    pending.add(what);
+    if (changes.size === 0) queueMicrotask(takeChanges);
+    changes.add(what);
   };
-  const takePending = () => {
+  const takeChanges = () => {
     if (life.signal.aborted) return;
     for (const what of /** @type {Array<keyof typeof take>} */ (["geometry", "partition", "values"])) {
-      if (pending.has(what)) take[what]();
+      if (changes.has(what)) take[what]();
     }
-    pending.clear();
+    changes.clear();
     take.state();
   };
   /** @param {string[]} names @param {keyof typeof take} what */
@@ -150,15 +184,25 @@ function render({ model, el }) {
     });
   };
   listen(arrays(GEOMETRY), "geometry");
-  listen([...arrays(PARTITION), "levels", "level"], "partition");
+  listen([...arrays(PARTITION), "levels", "level", "segment_names", "_answers"], "partition");
   listen(arrays(VALUES), "values");
   listen(
     [
-      ...["color_by", "color_mix", "outlines", "back_faces", "height", "mode"],
-      ...["busy", "progress", "status", "error", "n_segments", "segment_names", "values_legend"],
+      ...["color_by", "color_mix", "outlines", "back_faces", "height", "mode", "editable", "vocabulary"],
+      ...["busy", "progress", "status", "error", "undo_title", "redo_title", "values_legend"],
     ],
     "state",
   );
+  let wasBusy = model.get("busy");
+  const onStatus = () => {
+    const isBusy = model.get("busy");
+    if (!isBusy && !wasBusy) panel.remark(model.get("status"));
+    wasBusy = isBusy;
+  };
+  for (const name of ["status", "busy"]) model.on(`change:${name}`, onStatus);
+  life.signal.addEventListener("abort", () => {
+    for (const name of ["status", "busy"]) model.off(`change:${name}`, onStatus);
+  });
   const onMessage = (/** @type {any} */ message) => {
     if (message?.kind === "look") view.lookFrom(message.from);
   };
@@ -193,18 +237,71 @@ function render({ model, el }) {
 
   // pointing and moving ------------------------------------------------------------------------------
 
-  /** @param {import("./gestures.js").Place | null} place @param {boolean} [isForced] */
-  function hover(place, isForced = false) {
-    const face = place && gesture.phase === "idle" ? view.faceAt(place) : null;
+  /** Where keys act: under the pointer, or in the middle. @returns {Place | null} */
+  function aimed() {
+    return pointer ?? (isKeyboard ? { x: view.size.width / 2, y: view.size.height / 2 } : null);
+  }
+
+  /** The part that is being moved, if there is one. */
+  function source() {
+    return gesture.phase === "link" ? gesture.from : gesture.picked;
+  }
+
+  /** Show what lies under the pointer. @param {boolean} [isForced]  even if it is the same face as before */
+  function point(isForced = false) {
+    const place = aimed();
+    const isPointing = ["idle", "press", "link"].includes(gesture.phase);
+    const face = place && isPointing ? view.faceAt(place) : null;
     if (face === hoveredFace && !isForced) return;
     hoveredFace = face;
-    const hit = place && face !== null ? view.hitAt(place) : null;
-    const part = hit?.part ?? NONE;
-    if (part !== view.look.hovered) {
-      view.setLook({ hovered: part });
-      root.dataset.hovered = hit ? String(part) : "";
-    } else if (!isForced) return;
-    panel.showHover(face !== null && view.partition ? descriptionOf(model, view, face) : null);
+    const from = source();
+    const part = face === null ? NONE : view.partOf(face);
+    const target = from && face !== null && isTarget(from.face, face) ? view.segmentOf(face) : NONE;
+    view.setLook({ hovered: from ? NONE : part, picked: from ? from.part : NONE, target });
+    root.dataset.hovered = said(part);
+    root.dataset.picked = said(from ? from.part : NONE);
+    root.dataset.target = said(target);
+    const words = face !== null && view.partition ? descriptionOf(face) : null;
+    panel.showHover(words && target !== NONE ? { ...words, text: `Merge into ${words.text}` } : words);
+    panel.showPicked(gesture.picked ? `${titleOf(gesture.picked)}: click what to merge it with` : null);
+  }
+
+  /** @param {number} face @param {number} onto */
+  function isTarget(face, onto) {
+    const edit = /** @type {const} */ ({ kind: "merge", face, onto_face: onto, level: model.get("level") });
+    return ground !== null && shown !== null && canMerge(ground, shown.labels, edit);
+  }
+
+  /** The line from the part being moved to the pointer. @param {Place | null} [tip] */
+  function stretch(tip = aimed()) {
+    const start = gesture.phase === "link" ? points.press : gesture.picked && points.picked;
+    panel.rubber.show(start && view.placeOf(start), tip, view.look.target !== NONE);
+  }
+
+  /** What the status line says of a face. @param {number} face */
+  function descriptionOf(face) {
+    const partition = /** @type {import("./partition.js").Partition} */ (view.partition);
+    const segment = view.segmentOf(face);
+    const confidence = /** @type {Float32Array | null} */ (readArray(model, "segment_confidence"));
+    const context = { level: model.get("level"), names: shown?.labels.names ?? {} };
+    const isSettled = pending.operations.length === 0; // Python's table is of its own segments
+    const [red, green, blue] = partition.segmentColors.subarray(3 * segment, 3 * segment + 3);
+    return {
+      text: describeFace(partition, face, { ...context, confidence: isSettled ? confidence : null }),
+      color: segment === NONE || blue === undefined ? null : `rgb(${red} ${green} ${blue})`,
+    };
+  }
+
+  /** @param {import("./gestures.js").Hit} hit */
+  function titleOf({ part, segment }) {
+    const level = model.get("level");
+    return part === segment ? segmentTitle(segment, shown?.labels.names ?? {}) : `Part of level ${level}`;
+  }
+
+  /** A hit as it is after levels or segments have changed. @param {import("./gestures.js").Hit | null} hit */
+  function renewed(hit) {
+    const part = hit ? view.partOf(hit.face) : NONE;
+    return hit && part !== NONE ? { face: hit.face, part, segment: view.segmentOf(hit.face) } : null;
   }
 
   /** @param {PointerEvent} event */
@@ -213,36 +310,49 @@ function render({ model, el }) {
     return { x: event.clientX - box.left, y: event.clientY - box.top };
   };
   /** @param {PointerEventLike} event */
-  const feed = (event) => {
+  function feed(event) {
+    const before = gesture.picked;
     const [next, actions] = step(gesture, event, model.get("mode"));
     gesture = next;
-    view.setLook({ picked: (next.phase === "link" ? next.from : next.picked)?.part ?? NONE });
+    if (next.picked && next.picked !== before) points.picked = points.press;
     root.dataset.gesture = next.phase;
     for (const action of actions) {
-      if (action.kind === "merge" || action.kind === "split") {
-        const { kind, face } = action;
-        const onto = action.kind === "merge" ? { onto_face: action.onto } : {};
-        model.send({ kind, face, ...onto, level: model.get("level"), revision: model.get("revision") });
-      } else if (action.kind !== "click") view.apply(action);
+      const level = model.get("level");
+      if (action.kind === "merge") edit({ kind: "merge", face: action.face, onto_face: action.onto, level });
+      else if (action.kind === "split") edit({ kind: "split", face: action.face, level });
+      else if (action.kind !== "click") view.apply(action);
     }
+    point(true);
+    stretch();
+  }
+  /** Whether the pointer is on the picture, not on a button over it or beside it. @param {PointerEvent} event */
+  const isOnCanvas = (event) => {
+    const page = /** @type {Document | ShadowRoot} */ (root.getRootNode());
+    return page.elementFromPoint(event.clientX, event.clientY) === canvas;
   };
   /** @param {PointerEventLike["type"]} type */
   const onPointer = (type) => (/** @type {PointerEvent} */ event) => {
     const place = placeOf(event);
-    pointer = type === "cancel" ? null : place;
+    const isOutside = type === "cancel" || (gesture.phase !== "idle" && !isOnCanvas(event));
+    pointer = isOutside ? null : place;
+    if (isKeyboard) showAim(false);
     if (type === "down") {
       canvas.setPointerCapture(event.pointerId);
+      panel.naming.close();
       root.focus({ preventScroll: true });
+      points.press = view.pointAt(place);
     }
     if (type === "move" && gesture.phase === "idle") {
-      hover(place);
+      point();
+      stretch();
       return;
     }
-    const hit = view.hitAt(place);
+    const hit = isOutside ? null : view.hitAt(place);
     const { pointerId: id, button, shiftKey: shift } = event;
     feed({ type, id, ...place, button, shift, isTouch: event.pointerType === "touch", hit });
-    hover(pointer, true);
+    if (gesture.phase === "link") stretch(place);
   };
+  const letGo = () => feed({ type: "cancel", id: -1, x: 0, y: 0 });
   const on = /** @type {typeof canvas.addEventListener} */ (
     (/** @type {string} */ name, /** @type {any} */ callback) =>
       canvas.addEventListener(name, callback, { signal: life.signal, passive: false })
@@ -251,16 +361,20 @@ function render({ model, el }) {
   on("pointermove", onPointer("move"));
   on("pointerup", onPointer("up"));
   on("pointercancel", onPointer("cancel"));
+  on("lostpointercapture", () => {
+    if (gesture.phase === "press" || gesture.phase === "link" || gesture.phase === "aside") letGo();
+  });
   on("pointerleave", () => {
     pointer = null;
-    hover(null);
+    point();
+    stretch();
   });
   on("dblclick", (/** @type {MouseEvent} */ event) => {
     if (model.get("mode") === "navigate") view.recentre(placeOf(/** @type {PointerEvent} */ (event)));
   });
   on("webglcontextlost", () => {
     view.lose();
-    gesture = IDLE;
+    letGo();
     root.dataset.ready = "false";
   });
   on("webglcontextrestored", () => {
@@ -297,14 +411,27 @@ function render({ model, el }) {
   );
   root.addEventListener("keydown", onKey, { signal: life.signal });
 
+  root.addEventListener("focusout", () => showAim(false), { signal: life.signal });
+
+  /** Whether keys act on the middle of the picture. @param {boolean} isShown */
+  function showAim(isShown) {
+    isKeyboard = isShown;
+    panel.aim.hidden = !isShown || pointer !== null;
+    point();
+  }
+
   /** @param {KeyboardEvent} event */
   function onKey(event) {
-    const isControl = event.target instanceof HTMLElement && event.target.matches("select, input");
-    if (isControl && event.key !== "Escape") return;
+    const target = event.target instanceof HTMLElement ? event.target : root;
+    if (target.matches("select, input") && event.key !== "Escape") return;
+    if (target.matches("button") && (event.key === "Enter" || event.key === " ")) return;
     const ordered = command(event, model.get("mode"));
     if (!ordered) return;
     event.preventDefault();
     event.stopPropagation();
+    showAim(target === root);
+    const place = aimed();
+    const face = place && view.faceAt(place);
     switch (ordered.kind) {
       case "orbit":
       case "pan":
@@ -321,16 +448,103 @@ function render({ model, el }) {
         break;
       case "toggle":
         if (ordered.what === "help") panel.showHelp(!panel.isHelpShown());
-        else set(ordered.what, !model.get(ordered.what));
+        else if (ordered.what !== "mode") set(ordered.what, !model.get(ordered.what));
+        else if (model.get("editable")) set("mode", model.get("mode") === "edit" ? "navigate" : "edit");
         break;
       case "escape":
         if (panel.isHelpShown()) panel.showHelp(false);
-        else feed({ type: "cancel", id: -1, x: 0, y: 0 });
+        else letGo();
+        break;
+      case "choose":
+        points.press = place && view.pointAt(place);
+        if (place) feed({ type: "choose", id: -1, ...place, hit: view.hitAt(place) });
+        break;
+      case "part":
+        if (face !== null) act(ordered.what, face, place);
+        else if (gesture.picked) act(ordered.what, gesture.picked.face, place);
+        else if (ordered.what === "frame") view.lookFrom("here");
+        break;
+      case "show_all":
+        hide(null);
         break;
       default:
-        model.send({ kind: ordered.kind });
+        walk(ordered.kind);
     }
   }
+
+  // what is done to a part ---------------------------------------------------------------------------
+
+  /** @param {import("./keys.js").PartAction} what @param {number} face @param {Place | null} place */
+  function act(what, face, place) {
+    const segment = view.segmentOf(face);
+    switch (what) {
+      case "split":
+        letGo();
+        edit({ kind: "split", face, level: model.get("level") });
+        break;
+      case "name":
+        name(face, place ?? { x: view.size.width / 2, y: view.size.height / 2 });
+        break;
+      case "frame":
+        view.lookAt(face);
+        break;
+      default:
+        hide(segment, what === "isolate");
+    }
+  }
+
+  /** @param {number} face @param {Place} place */
+  function name(face, place) {
+    const segment = view.segmentOf(face);
+    const names = shown?.labels.names ?? {};
+    if (segment === NONE) {
+      panel.remark("This surface is unlabelled: there is no segment to name");
+      return;
+    }
+    panel.naming.ask(segmentTitle(segment, names), names[segment] ?? "", place, (given) => {
+      if (given !== (names[segment] ?? "")) edit({ kind: "relabel", face, name: given });
+    });
+  }
+
+  /** Hide a segment, or all others; null shows everything. @param {number | null} segment */
+  function hide(segment, isIsolating = false) {
+    const { partition, hidden } = view;
+    if (!partition) return;
+    const { atomSegment } = partition;
+    const isHidden = (/** @type {number} */ atom) =>
+      isIsolating ? atomSegment[atom] !== segment : hidden?.[atom] === 1 || atomSegment[atom] === segment;
+    const isDone = hidden !== null && atomSegment.every((_, atom) => isHidden(atom) === (hidden[atom] === 1));
+    view.hide(segment === null || (isIsolating && isDone) ? null : isHidden);
+    letGo();
+    take.state();
+  }
+
+  /** Show an edit and tell Python of it, unless it makes no sense. @param {import("./editor.js").Edit} operation */
+  function edit(operation) {
+    const revision = model.get("revision");
+    if (!model.get("editable") || !ground || !shown) {
+      model.send({ ...operation, revision });
+      return;
+    }
+    const foreseen = foresee(ground, shown.labels, operation);
+    if (typeof foreseen === "string") panel.remark(foreseen);
+    else queue(operation, { revision });
+  }
+
+  /** Undo or redo. @param {"undo" | "redo"} kind */
+  function walk(kind) {
+    if (!model.get("editable")) model.send({ kind });
+    else queue({ kind }, {});
+  }
+
+  /** @param {import("./editor.js").Operation} operation @param {object} details */
+  function queue(operation, details) {
+    panel.remark("");
+    model.send({ ...operation, ...details, ...pending.add(operation) });
+    take.partition();
+    take.state();
+  }
+
   /** @param {string} name @param {unknown} value */
   function set(name, value) {
     model.set(name, value);
@@ -365,43 +579,35 @@ function readMesh(model) {
   return { vertices, faces, colors, normals: vertexNormals(vertices, faces), bounds: boundingBall(vertices) };
 }
 
-/**
- * @param {Model} model
- * @param {Viewer} view
- */
-function summaryOf(model, view) {
+/** @param {Viewer} view */
+function summaryOf(view) {
   if (!view.mesh) return "";
-  const n = model.get("n_segments");
-  return [
-    counted(view.mesh.faces.length / 3, "face"),
-    view.partition ? counted(n, "segment") : "",
-    model.get("busy") ? "" : model.get("status"),
-  ]
+  const n = view.partition ? countSegments(view.partition.atomSegment) : 0;
+  return [counted(view.mesh.faces.length / 3, "face"), view.partition ? counted(n, "segment") : ""]
     .filter(Boolean)
     .join("  ·  ");
 }
 
 /**
- * What the status line says of a face: its segment, and its part if that is something else.
- * @param {Model} model
- * @param {Viewer} view
- * @param {number} face
+ * Parts of each atom by level.
+ * @param {string[]} levels
+ * @param {Uint32Array | null} atomPart  levels one after another
+ * @param {number} nAtoms
  */
-function descriptionOf(model, view, face) {
-  const partition = /** @type {import("./partition.js").Partition} */ (view.partition);
-  const { part, segment, partFaces, segmentFaces } = describe(partition, face);
-  const name = model.get("segment_names")[segment];
-  const isSame = part === NONE || partFaces === segmentFaces;
-  const [red, green, blue] = partition.segmentColors.subarray(3 * segment, 3 * segment + 3);
-  const text = [
-    segment === NONE ? "Unlabelled" : `Segment ${segment}${name ? ` (${name})` : ""}`,
-    segment === NONE ? "" : counted(segmentFaces, "face"),
-    isSame ? "" : `${model.get("level")} part ${part}, ${counted(partFaces, "face")}`,
-  ];
-  return {
-    text: text.filter(Boolean).join("  ·  "),
-    color: segment === NONE || blue === undefined ? null : `rgb(${red} ${green} ${blue})`,
-  };
+function partsOf(levels, atomPart, nAtoms) {
+  const rows = levels.map((_, i) => atomPart?.subarray(i * nAtoms, (i + 1) * nAtoms) ?? new Uint32Array(0));
+  return Object.fromEntries(levels.map((level, i) => [level, rows[i]]));
+}
+
+/** How many segments are hidden, at least in part. @param {Viewer} view */
+function hiddenSegments({ hidden, partition }) {
+  if (!hidden || !partition) return 0;
+  return new Set(partition.atomSegment.filter((_, atom) => hidden[atom] === 1)).size;
+}
+
+/** A part or a segment for a data attribute. @param {number} number */
+function said(number) {
+  return number === NONE ? "" : String(number);
 }
 
 /** @param {Model} model */
@@ -416,11 +622,6 @@ function legendOf(model) {
 /** @param {unknown} error */
 function messageOf(error) {
   return error instanceof Error ? error.message : String(error);
-}
-
-/** @param {number} n @param {string} noun */
-function counted(n, noun) {
-  return `${n.toLocaleString("en")} ${noun}${n === 1 ? "" : "s"}`;
 }
 
 export default { render };

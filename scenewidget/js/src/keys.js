@@ -1,12 +1,15 @@
 /** The keyboard: which key does what, also as the help overlay lists it. */
 
+/** @typedef {"split" | "name" | "hide" | "isolate" | "frame"} PartAction  done to the part under the pointer */
+
 /**
  * @typedef {{ kind: "orbit" | "pan", dx: number, dy: number }
  *   | { kind: "zoom", factor: number }
  *   | { kind: "look", from: "here" | "above" | "start" }
- *   | { kind: "toggle", what: "outlines" | "back_faces" | "help" }
+ *   | { kind: "toggle", what: "outlines" | "back_faces" | "help" | "mode" }
  *   | { kind: "level", index: number }
- *   | { kind: "undo" | "redo" | "escape" }} Command
+ *   | { kind: "part", what: PartAction }
+ *   | { kind: "undo" | "redo" | "escape" | "choose" | "show_all" }} Command
  */
 
 /** @type {Array<[string, string]>} */
@@ -17,10 +20,14 @@ export const NAVIGATION_HELP = [
   ["Double click", "turn around this point"],
   ["← ↑ → ↓", "orbit; with Shift, pan"],
   ["+  −", "zoom"],
-  ["F", "fit the scan into the view"],
+  ["F", "frame the segment under the pointer"],
+  ["Shift + F", "fit the scan into the view"],
   ["T", "look from above"],
   ["R", "back to the first view"],
   ["1 – 9", "level"],
+  ["H", "hide the segment under the pointer"],
+  ["I", "hide all others"],
+  ["Shift + H", "show all"],
   ["O", "outlines on or off"],
   ["B", "back faces on or off"],
   ["?", "this help"],
@@ -29,13 +36,21 @@ export const NAVIGATION_HELP = [
 /** @type {Array<[string, string]>} */
 export const EDIT_HELP = [
   ["Drag from part to part", "merge"],
-  ["Click, then click", "merge, too"],
-  ["Right click", "split"],
+  ["Click, then click; Enter, then Enter", "merge, too"],
+  ["Right click, S", "split"],
+  ["N", "name the segment"],
   ["Drag on the background, Shift + drag", "orbit"],
+  ["Right drag", "pan"],
   ["Esc", "let go"],
   ["Ctrl + Z", "undo"],
   ["Ctrl + Shift + Z", "redo"],
 ];
+
+/** Of both kinds: what to say where one can go from looking to editing and back. @type {[string, string]} */
+export const MODE_HELP = ["E", "look or edit"];
+
+/** Keys act on what is under the pointer; without one, on what is in the middle. */
+export const AIM_HELP = "Without a mouse, all of this happens to what is in the middle of the picture.";
 
 /** @type {Record<string, [number, number]>} */
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
@@ -46,13 +61,26 @@ const COMMANDS = {
   "+": { kind: "zoom", factor: 0.85 },
   "=": { kind: "zoom", factor: 0.85 },
   "-": { kind: "zoom", factor: 1 / 0.85 },
-  f: { kind: "look", from: "here" },
+  e: { kind: "toggle", what: "mode" },
+  f: { kind: "part", what: "frame" },
+  h: { kind: "part", what: "hide" },
+  i: { kind: "part", what: "isolate" },
   t: { kind: "look", from: "above" },
   r: { kind: "look", from: "start" },
   o: { kind: "toggle", what: "outlines" },
   b: { kind: "toggle", what: "back_faces" },
   "?": { kind: "toggle", what: "help" },
   escape: { kind: "escape" },
+};
+
+/** @type {Record<string, Command>} */
+const WITH_SHIFT = { f: { kind: "look", from: "here" }, h: { kind: "show_all" } };
+
+/** @type {Record<string, Command>} */
+const EDIT_COMMANDS = {
+  enter: { kind: "choose" },
+  n: { kind: "part", what: "name" },
+  s: { kind: "part", what: "split" },
 };
 
 /**
@@ -74,5 +102,8 @@ export function command(event, mode) {
     return { kind: event.shiftKey ? "pan" : "orbit", dx: dx * STEP, dy: dy * STEP };
   }
   if (/^[1-9]$/.test(key)) return { kind: "level", index: Number(key) - 1 };
-  return COMMANDS[key.toLowerCase()] ?? null;
+  const name = key.toLowerCase();
+  return (
+    (event.shiftKey && WITH_SHIFT[name]) || (mode === "edit" && EDIT_COMMANDS[name]) || COMMANDS[name] || null
+  );
 }

@@ -1,12 +1,19 @@
 /** The page around the picture: toolbar, status line, progress, errors, help. Text is always set as text. */
 
-import { EDIT_HELP, NAVIGATION_HELP } from "./keys.js";
+import { element, iconButton, textButton } from "./elements.js";
+import { AIM_HELP, EDIT_HELP, MODE_HELP, NAVIGATION_HELP } from "./keys.js";
+import { createNaming } from "./naming.js";
+import { createRubber } from "./rubber.js";
 
 /**
  * @typedef {object} Actions
  * @property {(from: "here" | "above" | "start") => void} look
  * @property {(name: string, value: unknown) => void} set  a piece of the model's state
  * @property {() => void} cancel
+ * @property {(kind: "undo" | "redo") => void} walk  through the history
+ * @property {(what: import("./keys.js").PartAction) => void} act  on the picked part
+ * @property {() => void} letGo  of the picked part
+ * @property {() => void} showAll
  */
 
 /**
@@ -25,17 +32,18 @@ import { EDIT_HELP, NAVIGATION_HELP } from "./keys.js";
  * @property {string} status
  * @property {string} error
  * @property {"navigate" | "edit"} mode
- * @property {string} summary  shown at rest
+ * @property {boolean} editable  whether it offers to edit
+ * @property {string | null} undo  name of the step; "" = a step without a name, null = none
+ * @property {string | null} redo
+ * @property {number} pending  edits that Python hasn't answered
+ * @property {number} nHidden  segments that aren't drawn
+ * @property {string[]} vocabulary
+ * @property {string} summary  shown at rest, with the status
  * @property {{ title?: string, low?: number, high?: number, colors: string[] } | null} legend
  */
 
-const ICONS = {
-  fit: "M2.5 6V2.5H6M10 2.5h3.5V6M13.5 10v3.5H10M6 13.5H2.5V10",
-  above: "M8 2 14 5 8 8 2 5ZM2 8.2l6 3 6-3M2 11.2l6 3 6-3",
-  start: "M2.5 7.5 8 2.5l5.5 5M4.2 6.5v6.8h7.6V6.5",
-  outlines: "M2.5 3.5h4l2 4.5-2 4.5h-4ZM9.5 3.5h4v9h-4l2-4.5Z",
-  backFaces: "M2.5 5 8 2.3 13.5 5v6L8 13.7 2.5 11ZM2.5 5 8 7.8 13.5 5M8 7.8v5.9",
-};
+const REMARK_MS = 5000;
+const PENDING_MS = 300; // an answer that takes longer is told to be on its way
 
 /**
  * @param {HTMLElement} host
@@ -43,15 +51,7 @@ const ICONS = {
  */
 export function createPanel(host, actions) {
   const canvas = element("canvas", { class: "sw-canvas" });
-  const iconButton = (
-    /** @type {keyof typeof ICONS} */ icon,
-    /** @type {string} */ name,
-    /** @type {string} */ key,
-  ) =>
-    element("button", { class: "sw-button", type: "button", "aria-label": name, title: `${name} (${key})` }, [
-      iconOf(icon),
-    ]);
-  const fit = iconButton("fit", "Fit", "F");
+  const fit = iconButton("fit", "Fit", "Shift + F");
   const above = iconButton("above", "Top view", "T");
   const start = iconButton("start", "Reset view", "R");
   const outlines = iconButton("outlines", "Outlines", "O");
@@ -77,8 +77,22 @@ export function createPanel(host, actions) {
     title: "Colour strength",
   });
   const levelField = field("Level", level);
+  const look = textButton("Look", "Look: dragging turns the room (E)");
+  const edit = textButton("Edit", "Edit: drag a part onto another to merge, right-click to split (E)");
+  const undo = iconButton("undo", "Undo", "Ctrl + Z");
+  const redo = iconButton("redo", "Redo", "Ctrl + Shift + Z");
+  const modes = element("div", { class: "sw-group sw-modes", role: "group", "aria-label": "Mode" }, [
+    look,
+    edit,
+  ]);
+  const history = element("div", { class: "sw-group" }, [undo, redo]);
+  const showAll = textButton("Show all", "Show what is hidden (Shift + H)");
+  const hiddenGroup = element("div", { class: "sw-group", hidden: "" }, [showAll]);
   const tools = element("div", { class: "sw-tools", role: "toolbar", "aria-label": "View" }, [
     element("div", { class: "sw-group" }, [field("Colour", colorBy), mixing, levelField]),
+    hiddenGroup,
+    modes,
+    history,
     element("div", { class: "sw-group" }, [outlines, backFaces]),
     element("div", { class: "sw-group" }, [fit, above, start]),
     element("div", { class: "sw-group" }, [help]),
@@ -86,7 +100,9 @@ export function createPanel(host, actions) {
 
   const swatch = element("span", { class: "sw-swatch", hidden: "" });
   const statusText = element("span", { class: "sw-status-text" });
-  const status = element("div", { class: "sw-status" }, [swatch, statusText]);
+  const remarkText = element("span", { class: "sw-remark", role: "status" });
+  const pendingText = element("span", { class: "sw-pending", hidden: "" });
+  const status = element("div", { class: "sw-status" }, [pendingText, swatch, remarkText, statusText]);
 
   const bar = element("div", { class: "sw-bar" });
   const track = element(
@@ -95,19 +111,20 @@ export function createPanel(host, actions) {
     [bar],
   );
   const stage = element("span", { class: "sw-stage" });
-  const cancel = element("button", { class: "sw-text-button", type: "button" }, ["Cancel"]);
+  const cancel = textButton("Cancel");
   const busy = element("div", { class: "sw-busy", role: "status", hidden: "" }, [stage, cancel]);
 
   const errorText = element("div", { class: "sw-error-text" });
-  const dismiss = element("button", { class: "sw-text-button", type: "button" }, ["Dismiss"]);
+  const dismiss = textButton("Dismiss");
   const error = element("div", { class: "sw-error", role: "alert", hidden: "" }, [errorText, dismiss]);
 
   const helpList = element("div", { class: "sw-keys" });
-  const closeHelp = element("button", { class: "sw-text-button", type: "button" }, ["Close"]);
+  const aimHelp = element("div", { class: "sw-aim-help" }, [AIM_HELP]);
+  const closeHelp = textButton("Close");
   const helpCard = element(
     "div",
     { class: "sw-help", role: "dialog", "aria-label": "Keys and gestures", hidden: "" },
-    [helpList, closeHelp],
+    [helpList, aimHelp, closeHelp],
   );
 
   const legendTitle = element("div", { class: "sw-legend-title" });
@@ -119,6 +136,33 @@ export function createPanel(host, actions) {
     legendBar,
     element("div", { class: "sw-legend-ends" }, [legendLow, legendHigh]),
   ]);
+
+  /** @type {Array<[string, import("./keys.js").PartAction, string]>} */
+  const actsOn = [
+    ["Split", "split", "Split this part off (S)"],
+    ["Name", "name", "Name this segment (N)"],
+    ["Hide", "hide", "Hide this segment (H)"],
+    ["Isolate", "isolate", "Hide all other segments (I)"],
+    ["Frame", "frame", "Fit this segment into the view (F)"],
+  ];
+  const pickedText = element("span", { class: "sw-picked-text" });
+  const letGo = iconButton("close", "Let go", "Esc");
+  const pickedBar = element(
+    "div",
+    { class: "sw-picked", role: "toolbar", "aria-label": "Picked part", hidden: "" },
+    [
+      pickedText,
+      ...actsOn.map(([name, what, title]) => {
+        const button = textButton(name, title);
+        button.onclick = () => actions.act(what);
+        return button;
+      }),
+      letGo,
+    ],
+  );
+  const naming = createNaming(() => root.focus({ preventScroll: true }));
+  const rubber = createRubber();
+  const aim = element("div", { class: "sw-aim", "aria-hidden": "true", hidden: "" });
 
   const root = element(
     "div",
@@ -133,9 +177,16 @@ export function createPanel(host, actions) {
       "data-busy": "false",
       "data-segments": "0",
       "data-hovered": "",
+      "data-picked": "",
+      "data-target": "",
+      "data-pending": "0",
+      "data-hidden": "0",
       "data-moving": "true",
     },
-    [canvas, tools, legend, status, track, busy, error, helpCard],
+    [
+      ...[canvas, rubber.element, aim, tools, legend, status, pickedBar, track, busy, error],
+      ...[naming.element, helpCard],
+    ],
   );
   host.append(root);
 
@@ -154,6 +205,12 @@ export function createPanel(host, actions) {
   backFaces.onclick = () => actions.set("back_faces", !isPressed(backFaces));
   colorBy.onchange = () => actions.set("color_by", colorBy.value);
   level.onchange = () => actions.set("level", level.value);
+  look.onclick = () => actions.set("mode", "navigate");
+  edit.onclick = () => actions.set("mode", "edit");
+  undo.onclick = () => actions.walk("undo");
+  redo.onclick = () => actions.walk("redo");
+  showAll.onclick = () => actions.showAll();
+  letGo.onclick = () => actions.letGo();
   mixing.oninput = () => actions.set("color_mix", Number(mixing.value));
   cancel.onclick = () => {
     cancel.disabled = true;
@@ -162,9 +219,13 @@ export function createPanel(host, actions) {
   dismiss.onclick = () => actions.set("error", "");
 
   let summary = "";
+  let said = "";
   let hover = /** @type {{ text: string, color: string | null } | null} */ (null);
+  let remarkTimer = 0;
+  let pendingTimer = 0;
   const showStatus = () => {
-    const text = hover?.text ?? summary;
+    const rest = [summary, remarkText.textContent ? "" : said].filter(Boolean).join("  ·  ");
+    const text = hover?.text ?? rest;
     if (statusText.textContent !== text) statusText.textContent = text; // even the same text would be drawn anew
     swatch.hidden = !hover?.color;
     if (hover?.color) swatch.style.background = hover.color;
@@ -175,6 +236,24 @@ export function createPanel(host, actions) {
     canvas,
     isHelpShown: () => !helpCard.hidden,
     showHelp,
+    rubber,
+    naming,
+    aim,
+
+    /** Say something for a few seconds, beside whatever else is shown. @param {string} text */
+    remark(text) {
+      clearTimeout(remarkTimer);
+      remarkText.textContent = text;
+      remarkTimer = text ? window.setTimeout(() => this.remark(""), REMARK_MS) : 0;
+      showStatus();
+    },
+
+    /** Offer what can be done with the picked part. @param {string | null} text  what to say of it */
+    showPicked(text) {
+      if (pickedText.textContent !== (text ?? "")) pickedText.textContent = text ?? "";
+      if (text === null && pickedBar.contains(document.activeElement)) root.focus({ preventScroll: true });
+      pickedBar.hidden = text === null;
+    },
 
     /** @param {PanelState} state */
     update(state) {
@@ -220,11 +299,36 @@ export function createPanel(host, actions) {
         legendLow.textContent = numberText(state.legend.low ?? 0);
         legendHigh.textContent = numberText(state.legend.high ?? 1);
       }
-      const keys = state.mode === "edit" ? [...EDIT_HELP, ...NAVIGATION_HELP.slice(1)] : NAVIGATION_HELP;
+      modes.hidden = history.hidden = !state.editable;
+      look.setAttribute("aria-pressed", String(state.mode === "navigate"));
+      edit.setAttribute("aria-pressed", String(state.mode === "edit"));
+      offer(undo, "Undo", "Ctrl + Z", state.undo);
+      offer(redo, "Redo", "Ctrl + Shift + Z", state.redo);
+      hiddenGroup.hidden = state.nHidden === 0;
+      root.dataset.hidden = String(state.nHidden);
+      naming.offer(state.vocabulary);
+
+      root.dataset.pending = String(state.pending);
+      pendingText.textContent = state.pending === 1 ? "1 edit pending" : `${state.pending} edits pending`;
+      if (state.pending === 0) {
+        clearTimeout(pendingTimer);
+        pendingTimer = 0;
+        pendingText.hidden = true;
+      } else if (pendingTimer === 0) {
+        pendingTimer = window.setTimeout(() => {
+          pendingText.hidden = false;
+        }, PENDING_MS);
+      }
+
+      const keys = [
+        ...(state.editable ? [MODE_HELP] : []),
+        ...(state.mode === "edit" ? [...EDIT_HELP, ...NAVIGATION_HELP.slice(2)] : NAVIGATION_HELP),
+      ];
       helpList.replaceChildren(
         ...keys.flatMap(([key, what]) => [element("b", {}, [key]), element("span", {}, [what])]),
       );
       summary = state.summary;
+      said = state.busy ? "" : state.status;
       showStatus();
     },
 
@@ -242,28 +346,18 @@ export function createPanel(host, actions) {
 }
 
 /**
- * @template {keyof HTMLElementTagNameMap} Tag
- * @param {Tag} tag
- * @param {Record<string, string>} [attributes]
- * @param {Array<Node | string>} [children]
- * @returns {HTMLElementTagNameMap[Tag]}
+ * @param {HTMLButtonElement} button
+ * @param {string} name
+ * @param {string} key
+ * @param {string | null} step  that it would take; null = there is none
  */
-function element(tag, attributes = {}, children = []) {
-  const node = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
-  node.append(...children);
-  return node;
-}
-
-/** @param {keyof typeof ICONS} name */
-function iconOf(name) {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
-  svg.setAttribute("viewBox", "0 0 16 16");
-  svg.setAttribute("aria-hidden", "true");
-  path.setAttribute("d", ICONS[name]);
-  svg.append(path);
-  return svg;
+function offer(button, name, key, step) {
+  const isFocused = button.matches(":focus"); // a disabled button would swallow the keys
+  button.disabled = step === null;
+  if (button.disabled && isFocused)
+    button.closest(/** @type {any} */ (".scenewidget"))?.focus({ preventScroll: true });
+  button.title =
+    step === null ? `Nothing to ${name.toLowerCase()}` : `${name}${step && `: ${step}`} (${key})`;
 }
 
 /** @param {string} name @param {HTMLElement} control */

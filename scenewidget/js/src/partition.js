@@ -14,6 +14,7 @@ export const NONE = 0xffffffff;
  * @property {Uint32Array} atomSegment
  * @property {Uint32Array} atomPart  of one level; the segments themselves if there are no levels
  * @property {Uint32Array} atomFaces  how many faces an atom has
+ * @property {Float64Array} atomArea  in squares of the mesh's unit
  * @property {Uint8Array} segmentColors  three bytes a segment
  */
 
@@ -25,73 +26,109 @@ export const NONE = 0xffffffff;
  * @param {Uint32Array} arrays.atomSegment
  * @param {Uint32Array | null} arrays.atomPart  levels one after another
  * @param {Uint8Array | null} arrays.segmentColors
- * @param {number} level  index of the level; -1 = none
+ * @param {number} level  index of the level; -1 = the segments as they are
+ * @param {{ vertices: Float32Array, faces: Uint32Array } | null} [mesh]  to measure areas on
  * @returns {Partition}
  */
-export function makePartition({ faceAtom, atomSegment, atomPart, segmentColors }, level) {
+export function makePartition({ faceAtom, atomSegment, atomPart, segmentColors }, level, mesh = null) {
   const nAtoms = atomSegment.length;
   const isThere = atomPart !== null && level >= 0 && atomPart.length >= (level + 1) * nAtoms;
   return {
     faceAtom,
     atomSegment,
     atomPart: isThere ? atomPart.subarray(level * nAtoms, (level + 1) * nAtoms) : atomSegment,
-    atomFaces: countFaces(faceAtom, nAtoms),
+    ...measure(faceAtom, nAtoms, mesh),
     segmentColors: segmentColors ?? new Uint8Array(0),
   };
 }
 
-/** @type {WeakMap<Uint32Array, Uint32Array>} */
-const counts = new WeakMap();
+/** @type {WeakMap<Uint32Array, { atomFaces: Uint32Array, atomArea: Float64Array }>} */
+const measures = new WeakMap();
 
 /**
+ * Faces and area of each atom.
  * @param {Uint32Array} faceAtom
  * @param {number} nAtoms
+ * @param {{ vertices: Float32Array, faces: Uint32Array } | null} mesh
  */
-function countFaces(faceAtom, nAtoms) {
-  let count = counts.get(faceAtom);
-  if (!count || count.length !== nAtoms) {
-    count = new Uint32Array(nAtoms);
-    for (const atom of faceAtom) count[atom]++;
-    counts.set(faceAtom, count);
+function measure(faceAtom, nAtoms, mesh) {
+  const known = measures.get(faceAtom);
+  if (known?.atomFaces.length === nAtoms) return known;
+  const [atomFaces, atomArea] = [new Uint32Array(nAtoms), new Float64Array(nAtoms)];
+  for (let face = 0; face < faceAtom.length; face++) {
+    atomFaces[faceAtom[face]]++;
+    if (mesh) atomArea[faceAtom[face]] += areaOf(mesh, face);
   }
-  return count;
+  measures.set(faceAtom, { atomFaces, atomArea });
+  return { atomFaces, atomArea };
 }
 
 /**
- * The part and the segment of a face, and their sizes in faces.
+ * @param {{ vertices: Float32Array, faces: Uint32Array }} mesh
+ * @param {number} face
+ */
+function areaOf({ vertices, faces }, face) {
+  const [a, b, c] = [3 * faces[3 * face], 3 * faces[3 * face + 1], 3 * faces[3 * face + 2]];
+  const ux = vertices[b] - vertices[a];
+  const uy = vertices[b + 1] - vertices[a + 1];
+  const uz = vertices[b + 2] - vertices[a + 2];
+  const vx = vertices[c] - vertices[a];
+  const vy = vertices[c + 1] - vertices[a + 1];
+  const vz = vertices[c + 2] - vertices[a + 2];
+  return 0.5 * Math.hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx);
+}
+
+/**
+ * The part and the segment of a face, and their sizes.
  * @param {Partition} partition
  * @param {number} face
  */
-export function describe({ faceAtom, atomPart, atomSegment, atomFaces }, face) {
+export function describe({ faceAtom, atomPart, atomSegment, atomFaces, atomArea }, face) {
   const atom = faceAtom[face];
   const [part, segment] = [atomPart[atom], atomSegment[atom]];
-  let [partFaces, segmentFaces] = [0, 0];
+  let [partFaces, segmentFaces, segmentArea] = [0, 0, 0];
   for (let i = 0; i < atomFaces.length; i++) {
     if (atomPart[i] === part) partFaces += atomFaces[i];
-    if (atomSegment[i] === segment) segmentFaces += atomFaces[i];
+    if (atomSegment[i] === segment) {
+      segmentFaces += atomFaces[i];
+      segmentArea += atomArea[i];
+    }
   }
-  return { part, segment, partFaces, segmentFaces };
+  return { part, segment, partFaces, segmentFaces, segmentArea };
 }
 
 /**
- * What the shader looks up by atom, four numbers each: segment, part, colour, and 1 if it has a colour.
+ * How many segments there are.
+ * @param {Uint32Array} atomSegment
+ */
+export function countSegments(atomSegment) {
+  const seen = new Set(atomSegment);
+  seen.delete(NONE);
+  return seen.size;
+}
+
+/**
+ * What the shader looks up by atom, four numbers each: segment, part, colour, and flags: 1 if it has a
+ * colour, 2 if it is hidden.
  * @param {Partition} partition
  * @param {ColorBy} colorBy
+ * @param {Uint8Array | null} [hidden]  1 for each atom that isn't drawn
  * @returns {Uint32Array}
  */
-export function atomTable({ atomSegment, atomPart, segmentColors }, colorBy) {
+export function atomTable({ atomSegment, atomPart, segmentColors }, colorBy, hidden = null) {
   const table = new Uint32Array(4 * atomSegment.length);
   for (let atom = 0; atom < atomSegment.length; atom++) {
     const [segment, part] = [atomSegment[atom], atomPart[atom]];
     const key = colorBy === "parts" ? part : segment;
     table[4 * atom] = segment;
     table[4 * atom + 1] = part;
+    table[4 * atom + 3] = 2 * (hidden?.[atom] ?? 0);
     if (key === NONE) continue;
     const known = colorBy !== "parts" && 3 * segment + 2 < segmentColors.length;
     table[4 * atom + 2] = known
       ? packColor(segmentColors[3 * segment], segmentColors[3 * segment + 1], segmentColors[3 * segment + 2])
       : hashedColor(key);
-    table[4 * atom + 3] = 1;
+    table[4 * atom + 3] += 1;
   }
   return table;
 }

@@ -65,6 +65,7 @@ import {
  * @property {boolean} outlinesParts
  * @property {number} hovered  part, or NONE
  * @property {number} picked  part, or NONE
+ * @property {number} target  segment, or NONE
  * @property {number} pulse  0 to 1
  * @property {boolean} isDark
  */
@@ -98,12 +99,15 @@ export class SceneRenderer {
       painted: null,
       keys: null,
       hasOutlines: true,
+      outlinesParts: false,
+      accent: new Vector3(),
       scale: 1,
       width: 1,
       last: new Vector2(),
       pulse: 0,
       hovered: NONE,
       picked: NONE,
+      target: NONE,
     });
     this.paints = screenMaterial(PAINT_FRAGMENT, {
       numbers: null,
@@ -116,7 +120,6 @@ export class SceneRenderer {
       colorBy: 2,
       hasScan: false,
       hasPartition: false,
-      outlinesParts: false,
       mixing: 1,
       plain: new Vector3(),
       unlabelled: new Vector3(),
@@ -148,6 +151,8 @@ export class SceneRenderer {
     this.arrays = arrays;
     this.faces.dispose();
     this.faces = facesMaterial(arrays.colors !== null);
+    for (const name of ["faceAtom", "atoms"])
+      this.faces.uniforms[name].value = this.paints.uniforms[name].value;
     this.#uniform("hasScan", arrays.colors !== null);
     this.fine = this.#add(arrays.faces);
     this.numbers?.dispose();
@@ -172,6 +177,14 @@ export class SceneRenderer {
   /** @param {Uint32Array} table  four numbers an atom, see partition.js */
   setAtomTable(table) {
     this.#texture("atoms", integerTexture(table, 4));
+  }
+
+  /** Whether the table of atoms hides any. @param {boolean} hasHidden */
+  setHidden(hasHidden) {
+    if (hasHidden === "HAS_HIDDEN" in this.faces.defines) return;
+    const { HAS_HIDDEN: _, ...defines } = this.faces.defines;
+    this.faces.defines = hasHidden ? { ...defines, HAS_HIDDEN: 1 } : defines;
+    this.faces.needsUpdate = true;
   }
 
   /**
@@ -254,7 +267,6 @@ export class SceneRenderer {
     if (!this.numbers) return;
     this.#uniform("colorBy", look.colorBy);
     this.#uniform("mixing", look.mixing);
-    this.#uniform("outlinesParts", look.outlinesParts);
     this.paints.uniforms.plain.value.set(...(look.isDark ? [0.78, 0.78, 0.77] : [0.86, 0.855, 0.84]));
     this.paints.uniforms.unlabelled.value.set(...(look.isDark ? [0.5, 0.51, 0.53] : [0.7, 0.7, 0.71]));
     this.painted.setSize(this.numbers.width, this.numbers.height);
@@ -271,6 +283,9 @@ export class SceneRenderer {
   drawPicture(look) {
     if (!this.numbers) return;
     this.picture.uniforms.hasOutlines.value = look.outlines;
+    this.picture.uniforms.outlinesParts.value = look.outlinesParts;
+    this.picture.uniforms.accent.value.set(...(look.isDark ? [0.49, 0.69, 1] : [0.1, 0.36, 0.85]));
+    this.picture.uniforms.target.value = look.target;
     this.picture.uniforms.hovered.value = look.hovered;
     this.picture.uniforms.picked.value = look.picked;
     this.picture.uniforms.pulse.value = look.pulse;
@@ -365,6 +380,7 @@ export class SceneRenderer {
   #texture(name, texture) {
     this.paints.uniforms[name].value?.dispose();
     this.#uniform(name, texture);
+    if (name in this.faces.uniforms) this.faces.uniforms[name].value = texture;
   }
 }
 
@@ -381,6 +397,8 @@ function facesMaterial(hasColors) {
       right: { value: new Vector3() },
       up: { value: new Vector3() },
       forward: { value: new Vector3() },
+      faceAtom: { value: null },
+      atoms: { value: null },
     },
   });
 }

@@ -36,12 +36,21 @@ in vec3 eyePosition;
 in vec3 eyeNormal;
 in vec3 scanColor;
 layout(location = 0) out vec4 numberAndLight;
+#ifdef HAS_HIDDEN
+precision highp usampler2D;
+uniform usampler2D faceAtom, atoms;
+ivec2 cell(uint i, int width) { return ivec2(int(i) % width, int(i) / width); }
+#endif
 #ifdef HAS_COLORS
 layout(location = 1) out vec4 scan;
 #endif
 const vec3 KEY = normalize(vec3(-0.4, 0.45, 0.8));
 const vec3 FILL = normalize(vec3(0.75, -0.15, 0.65));
 void main() {
+#ifdef HAS_HIDDEN // a variant of its own: whoever may discard loses the early test of depth
+  uint number = texelFetch(faceAtom, cell(faceNumber - 1u, textureSize(faceAtom, 0).x), 0).r;
+  if ((texelFetch(atoms, cell(number, textureSize(atoms, 0).x), 0).a & 2u) != 0u) discard;
+#endif
   // the flat normal where the smooth one would round off a crease
   vec3 plane = normalize(cross(dFdx(eyePosition), dFdy(eyePosition)));
   vec3 smoothed = normalize(gl_FrontFacing ? eyeNormal : -eyeNormal);
@@ -101,11 +110,11 @@ precision highp usampler2D;
 uniform sampler2D numbers, scan, relief, colormap;
 uniform usampler2D faceAtom, atoms, faceValue;
 uniform int colorBy; // 0 by the table, 1 scan, 2 plain, 3 values
-uniform bool hasScan, hasPartition, outlinesParts;
+uniform bool hasScan, hasPartition;
 uniform float mixing;
 uniform vec3 plain, unlabelled;
 layout(location = 0) out vec4 painted;
-layout(location = 1) out uvec2 keys; // what outlines separate, and the part
+layout(location = 1) out uvec2 keys; // segment and part
 
 const uint NONE = 0xffffffffu;
 const uint BACKGROUND = 0xfffffffeu;
@@ -131,7 +140,7 @@ void main() {
   vec3 color = ground;
   if (colorBy == 0) {
     color = unlabelled;
-    if (atom.a == 1u) color = vec3(atom.b & 255u, atom.b >> 8 & 255u, atom.b >> 16 & 255u) / 255.0;
+    if ((atom.a & 1u) != 0u) color = vec3(atom.b & 255u, atom.b >> 8 & 255u, atom.b >> 16 & 255u) / 255.0;
     color = mix(ground, color, mixing);
   } else if (colorBy == 2) {
     color = plain;
@@ -144,7 +153,7 @@ void main() {
   vec3 shadow = vec3(0.34, 0.35, 0.42);
   float strength = colorBy == 1 ? 0.5 : 1.0; // a scan brings shadows of its own
   painted = vec4(color * mix(vec3(1.0), mix(shadow, vec3(1.08, 1.07, 1.05), light), strength), 1.0);
-  keys = uvec2(outlinesParts ? atom.g : atom.r, atom.g);
+  keys = atom.rg;
 }`;
 
 export const PICTURE_FRAGMENT = `
@@ -153,11 +162,12 @@ precision highp int;
 precision highp usampler2D;
 uniform sampler2D painted;
 uniform usampler2D keys;
-uniform bool hasOutlines;
+uniform bool hasOutlines, outlinesParts;
 uniform float scale, pulse;
+uniform vec3 accent;
 uniform int width;
 uniform ivec2 last;
-uniform uint hovered, picked;
+uniform uint hovered, picked, target; // part, part, segment
 out vec4 picture;
 
 const uint NONE = 0xffffffffu;
@@ -165,21 +175,33 @@ const uint BACKGROUND = 0xfffffffeu;
 
 vec4 shade(ivec2 place) {
   vec4 color = texelFetch(painted, place, 0);
-  if (color.a == 0.0 || (!hasOutlines && hovered == NONE && picked == NONE)) return color;
+  bool isPlain = hovered == NONE && picked == NONE && target == NONE;
+  if (color.a == 0.0 || (isPlain && !hasOutlines)) return color;
   uvec2 here = texelFetch(keys, place, 0).rg;
   uvec2 right = texelFetch(keys, ivec2(min(place.x + width, last.x), place.y), 0).rg;
   uvec2 above = texelFetch(keys, ivec2(place.x, min(place.y + width, last.y)), 0).rg;
   bool isRight = right.g != BACKGROUND;
   bool isAbove = above.g != BACKGROUND;
-  if (hasOutlines && ((isRight && right.r != here.r) || (isAbove && above.r != here.r))) color.rgb *= 0.5;
-  if (hovered != NONE || picked != NONE) {
+  if (hasOutlines) {
+    bvec2 differ = outlinesParts ? notEqual(uvec2(right.g, above.g), here.gg) : notEqual(uvec2(right.r, above.r), here.rr);
+    if ((isRight && differ.x) || (isAbove && differ.y)) color.rgb *= 0.5;
+  }
+  if (!isPlain) {
     bool isIn = here.g == hovered;
     bool isBorder = (isRight && (right.g == hovered) != isIn) || (isAbove && (above.g == hovered) != isIn);
     vec3 glow = dot(color.rgb, vec3(0.3, 0.6, 0.1)) > 0.6 ? vec3(0.12, 0.16, 0.3) : vec3(1.0);
-    float amount = here.g == picked && picked != NONE ? 0.35 : 0.0;
-    if (isIn) amount = max(amount, 0.1 + 0.3 * pulse);
+    float amount = 0.0;
+    if (hovered != NONE && isIn) amount = 0.1 + 0.3 * pulse;
     if (hovered != NONE && isBorder) amount = 0.65;
     color.rgb = mix(color.rgb, glow, amount);
+    bool isPicked = picked != NONE && here.g == picked;
+    bool isTarget = target != NONE && here.r == target && !isPicked;
+    bool isEdge = picked != NONE && ((isRight && (right.g == picked) != isPicked) || (isAbove && (above.g == picked) != isPicked));
+    isEdge = isEdge || (target != NONE && ((isRight && (right.r == target) != (here.r == target)) || (isAbove && (above.r == target) != (here.r == target))));
+    bool isStripe = (place.x + place.y) % (10 * width) < 4 * width; // seen on every colour, by everybody
+    if (isPicked) color.rgb = mix(color.rgb, isStripe ? vec3(1.0) : accent, 0.55);
+    if (isTarget) color.rgb = mix(color.rgb, accent, 0.12 + 0.26 * pulse);
+    if (isEdge) color.rgb = mix(color.rgb, accent, 0.9);
   }
   return color;
 }

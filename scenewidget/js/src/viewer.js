@@ -15,6 +15,7 @@ import {
   meet,
   orbit,
   pan,
+  project,
   ray,
   zoom,
 } from "./camera.js";
@@ -36,6 +37,7 @@ const BLINK_MS = 1100;
 const SMOOTH_MS = 40; // a full drawing that takes longer is replaced by the coarse one while moving
 const SWIFT_MS = 12; // one that takes less can be drawn twice as fine, which smooths its edges
 const COARSE_FACES = 120_000;
+const FRAME_FACES = 20_000; // that a segment is framed by
 const ORBIT_SPEED = 0.0075; // radians a pixel
 
 // what has to be done again; each implies those below it
@@ -81,7 +83,10 @@ export class Viewer {
       isDark: false,
       hovered: NONE,
       picked: NONE,
+      target: NONE,
     };
+    /** 1 for each atom that isn't drawn. @type {Uint8Array | null} */
+    this.hidden = null;
     this.isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.needs = 0;
     this.isMoving = false;
@@ -115,9 +120,28 @@ export class Viewer {
   setPartition(partition) {
     if (partition?.faceAtom !== this.partition?.faceAtom)
       this.renderer.setFaceAtoms(partition?.faceAtom ?? null);
+    const hadHidden = this.hidden !== null;
+    this.hidden = carried(this.hidden, this.partition, partition);
     this.partition = partition;
-    if (partition) this.renderer.setAtomTable(atomTable(partition, this.look.colorBy));
-    this.#draw(PAINT);
+    this.#setTable();
+    this.#draw(hadHidden && !this.hidden ? FACES : PAINT);
+  }
+
+  /**
+   * Leave out some atoms; null shows everything.
+   * @param {((atom: number) => boolean) | null} isHidden
+   */
+  hide(isHidden) {
+    if (!this.partition) return;
+    const n = this.partition.atomSegment.length;
+    this.hidden = isHidden ? Uint8Array.from({ length: n }, (_, atom) => Number(isHidden(atom))) : null;
+    this.#setTable();
+    this.#draw(FACES);
+  }
+
+  #setTable() {
+    this.renderer.setHidden(this.hidden !== null);
+    if (this.partition) this.renderer.setAtomTable(atomTable(this.partition, this.look.colorBy, this.hidden));
   }
 
   /** @param {Uint16Array} values @param {Uint8Array} colormap */
@@ -130,14 +154,12 @@ export class Viewer {
   setLook(changes) {
     const before = this.look;
     this.look = { ...before, ...changes };
-    if (this.partition && this.look.colorBy !== before.colorBy) {
-      this.renderer.setAtomTable(atomTable(this.partition, this.look.colorBy));
-    }
-    if (this.look.hovered !== before.hovered) this.#blink();
+    if (this.look.colorBy !== before.colorBy) this.#setTable();
+    if (this.look.hovered !== before.hovered || this.look.target !== before.target) this.#blink();
     const isNew = (/** @type {keyof Viewer["look"]} */ name) => this.look[name] !== before[name];
     if (isNew("backFaces")) this.#draw(FACES);
     else if (isNew("colorBy") || isNew("mixing") || isNew("isDark")) this.#draw(PAINT);
-    else if (isNew("outlines") || isNew("hovered") || isNew("picked")) this.#draw(PICTURE);
+    else if (isNew("outlines") || isNew("hovered") || isNew("picked") || isNew("target")) this.#draw(PICTURE);
   }
 
   /** @param {number} width @param {number} height  CSS pixels */
@@ -163,6 +185,26 @@ export class Viewer {
       start: this.start,
     };
     this.#fly(from === "start" ? this.start : this.#fitted(camera[from]));
+  }
+
+  /** Bring the segment of a face into the middle, as large as it fits. @param {number} face */
+  lookAt(face) {
+    if (!this.partition || !this.mesh) return;
+    const { faceAtom, atomSegment } = this.partition;
+    const segment = atomSegment[faceAtom[face]];
+    if (segment === NONE) return;
+    const inside = faceAtom.reduce((n, atom) => n + Number(atomSegment[atom] === segment), 0);
+    const { vertices, faces } = this.mesh;
+    const step = Math.max(1, inside / FRAME_FACES);
+    const points = [];
+    for (let f = 0, k = 0, next = 0; f < faceAtom.length; f++) {
+      if (atomSegment[faceAtom[f]] !== segment || k++ < next) continue;
+      next += step;
+      for (let c = 3 * f; c < 3 * f + 3; c++)
+        points.push(...vertices.subarray(3 * faces[c], 3 * faces[c] + 3));
+    }
+    const { width, height } = this.size;
+    this.#fly(fit(this.camera, new Float32Array(points), width / Math.max(1, height), 0.3));
   }
 
   /** @param {Action} action */
@@ -205,7 +247,28 @@ export class Viewer {
     const face = this.faceAt(place);
     if (face === null || !this.partition) return null;
     const part = this.partition.atomPart[this.partition.faceAtom[face]];
-    return part === NONE ? null : { face, part };
+    return part === NONE ? null : { face, part, segment: this.segmentOf(face) };
+  }
+
+  /** @param {number} face */
+  partOf(face) {
+    return this.partition ? this.partition.atomPart[this.partition.faceAtom[face]] : NONE;
+  }
+
+  /** @param {number} face */
+  segmentOf(face) {
+    return this.partition ? this.partition.atomSegment[this.partition.faceAtom[face]] : NONE;
+  }
+
+  /**
+   * Where a point of the surface is seen now.
+   * @param {Vec3} point
+   * @returns {Place | null}
+   */
+  placeOf(point) {
+    const { width, height } = this.size;
+    const seen = project(this.camera, point, width / Math.max(1, height));
+    return seen && { x: ((1 + seen[0]) / 2) * width, y: ((1 - seen[1]) / 2) * height };
   }
 
   /**
@@ -405,7 +468,7 @@ export class Viewer {
   #blink() {
     clearTimeout(this.blinkTimer);
     this.blinkBegan = performance.now();
-    if (this.isStill || this.look.hovered === NONE) return;
+    if (this.isStill || (this.look.hovered === NONE && this.look.target === NONE)) return;
     const tick = () => {
       this.#draw(PICTURE);
       this.blinkTimer = window.setTimeout(tick, (this.cost ?? 0) > SMOOTH_MS ? 90 : 40);
@@ -414,7 +477,7 @@ export class Viewer {
   }
 
   #currentLook() {
-    const { colorBy, mixing, outlines, isDark, hovered, picked } = this.look;
+    const { colorBy, mixing, outlines, isDark, hovered, picked, target } = this.look;
     const phase = (performance.now() - (this.blinkBegan ?? 0)) / BLINK_MS;
     return {
       colorBy: /** @type {0 | 1 | 2 | 3} */ (
@@ -425,8 +488,25 @@ export class Viewer {
       outlinesParts: colorBy === "parts",
       hovered: this.isMoving ? NONE : hovered,
       picked,
+      target: this.isMoving ? NONE : target,
       pulse: this.isStill ? 0.6 : 0.5 + 0.5 * Math.cos(2 * Math.PI * phase),
       isDark,
     };
   }
+}
+
+/**
+ * What is hidden, over other atoms of the same faces.
+ * @param {Uint8Array | null} hidden
+ * @param {Partition | null} before
+ * @param {Partition | null} after
+ */
+function carried(hidden, before, after) {
+  if (!hidden || !before || !after) return null;
+  if (before.faceAtom === after.faceAtom) return hidden;
+  const next = new Uint8Array(after.atomSegment.length);
+  for (let face = 0; face < after.faceAtom.length; face++) {
+    next[after.faceAtom[face]] = hidden[before.faceAtom[face]];
+  }
+  return next;
 }

@@ -32,7 +32,7 @@ export function viewArray({ dtype, shape }, bytes) {
   const Kind = ARRAYS[dtype];
   if (!Kind) throw new TypeError(`unknown dtype ${dtype}`);
   const { buffer, byteOffset, byteLength } = asBytes(bytes);
-  const length = shape.reduce((product, n) => product * n, 1);
+  const length = lengthOf({ shape });
   if (byteLength !== length * Kind.BYTES_PER_ELEMENT) {
     throw new RangeError(
       `${dtype} array of shape [${shape}] needs ${length * Kind.BYTES_PER_ELEMENT} bytes, got ${byteLength}`,
@@ -41,6 +41,14 @@ export function viewArray({ dtype, shape }, bytes) {
   if (byteOffset % Kind.BYTES_PER_ELEMENT === 0) return new Kind(buffer, byteOffset, length);
   return new Kind(buffer.slice(byteOffset, byteOffset + byteLength));
 }
+
+/** @param {{ shape: number[] }} header */
+function lengthOf({ shape }) {
+  return shape.reduce((product, n) => product * n, 1);
+}
+
+/** The same bytes give the same array, so that arrays can be told apart by identity. @type {WeakMap<object, TypedArray>} */
+const views = new WeakMap();
 
 /**
  * An array of the model; null if it is empty, or if bytes and header don't belong together (yet).
@@ -51,9 +59,18 @@ export function readArray(model, name) {
   const header = model.get("_headers")?.[name];
   const bytes = model.get(`_${name}`);
   if (!header || !bytes) return null;
+  const known = typeof bytes === "string" ? undefined : views.get(bytes);
+  if (
+    known &&
+    known.constructor === ARRAYS[/** @type {Header} */ (header).dtype] &&
+    known.length === lengthOf(header)
+  )
+    return known;
   try {
     const array = viewArray(header, bytes);
-    return array.length > 0 ? array : null;
+    if (array.length === 0) return null;
+    if (typeof bytes !== "string") views.set(bytes, array);
+    return array;
   } catch (error) {
     if (error instanceof RangeError) return null;
     throw error;

@@ -11,6 +11,7 @@ import {
   meet,
   orbit,
   pan,
+  project as placeOf,
   projectionView,
   ray,
   subtract,
@@ -162,4 +163,11 @@ test("from above, the walls are parallel to the picture", () => {
   const above = fromAbove({ ...camera, yaw: 0.9 }, 0.2);
   near([above.pitch, Math.sin(2 * (above.yaw - 0.2))], [Math.PI / 2, 0]);
   assert.ok(Math.abs(above.yaw - 0.9) <= Math.PI / 4);
+});
+
+test("where a point is seen is where it is drawn; behind the eye, nowhere", () => {
+  const point = /** @type {Vec3} */ ([1.3, 1.1, 0.2]);
+  near(placeOf(camera, point, 1.5) ?? [], project(camera, point, 1.5).slice(0, 2));
+  const { eye, forward } = frame(camera);
+  assert.equal(placeOf(camera, add(eye, forward, -1), 1.5), null);
 });

@@ -5,8 +5,8 @@ import { IDLE, step } from "../src/gestures.js";
 /** @typedef {import("../src/gestures.js").Action} Action */
 /** @typedef {import("../src/gestures.js").PointerEventLike} PointerEventLike */
 
-const chair = { face: 10, part: 1 };
-const table = { face: 20, part: 2 };
+const chair = { face: 10, part: 1, segment: 1 };
+const table = { face: 20, part: 2, segment: 2 };
 
 /**
  * @param {Array<Partial<PointerEventLike> & { type: PointerEventLike["type"] }>} events
@@ -66,6 +66,44 @@ test("clicking one part, then another, merges; the same part again lets go", () 
   assert.equal(play(twice).gesture.picked, null);
 });
 
+test("a key chooses like a click, and Escape lets go of what was picked", () => {
+  assert.deepEqual(
+    play([
+      { type: "choose", hit: chair },
+      { type: "choose", hit: null },
+      { type: "choose", hit: table },
+    ]).actions,
+    [
+      { kind: "click", face: 10 },
+      { kind: "merge", face: 10, onto: 20 },
+    ],
+  );
+  assert.deepEqual(play([{ type: "choose", hit: chair }, { type: "cancel" }]).gesture, IDLE);
+});
+
+test("a part that lies in two segments can bring one half to the other", () => {
+  const half = { ...chair, face: 11, segment: 2 };
+  assert.deepEqual(
+    play([
+      { type: "down", hit: chair },
+      { type: "move", x: 30 },
+      { type: "up", x: 60, hit: half },
+    ]).actions,
+    [{ kind: "merge", face: 10, onto: 11 }],
+  );
+});
+
+test("a picked part stays picked while the room is turned", () => {
+  const { actions, gesture } = play([
+    { type: "choose", hit: chair },
+    { type: "down", hit: null },
+    { type: "move", x: 30 },
+    { type: "up", x: 30 },
+  ]);
+  assert.deepEqual(gesture.picked, chair);
+  assert.equal(actions.at(-1)?.kind, "orbit");
+});
+
 test("a right click splits, a right drag pans from where it began", () => {
   assert.deepEqual(
     play([
@@ -93,7 +131,7 @@ test("released outside, on the same part, cancelled or lost, nothing is edited",
   ];
   for (const end of [
     { type: "up", x: 900, hit: null },
-    { type: "up", x: 30, hit: { face: 11, part: 1 } },
+    { type: "up", x: 30, hit: { ...chair, face: 11 } },
     { type: "cancel" },
   ]) {
     const { actions, gesture } = play([...begun, end]);

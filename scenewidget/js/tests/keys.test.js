@@ -18,8 +18,21 @@ test("letters work in either case, digits choose levels", () => {
   assert.equal(command({ ...plain, key: "Escape" }, "navigate")?.kind, "escape");
 });
 
+test("Shift makes another command of some letters", () => {
+  assert.deepEqual(command({ ...plain, key: "h" }, "edit"), { kind: "part", what: "hide" });
+  assert.deepEqual(command({ ...plain, key: "H", shiftKey: true }, "edit"), { kind: "show_all" });
+  assert.deepEqual(command({ ...plain, key: "f" }, "navigate"), { kind: "part", what: "frame" });
+});
+
+test("what the mouse edits, keys can edit", () => {
+  assert.deepEqual(command({ ...plain, key: "Enter" }, "edit"), { kind: "choose" });
+  assert.deepEqual(command({ ...plain, key: "s" }, "edit"), { kind: "part", what: "split" });
+  assert.deepEqual(command({ ...plain, key: "n" }, "edit"), { kind: "part", what: "name" });
+});
+
 test("keys of the host are left alone", () => {
-  for (const key of ["Enter", "Tab", "a", "F5", " "]) assert.equal(command({ ...plain, key }, "edit"), null);
+  for (const key of ["Tab", "a", "F5", " "]) assert.equal(command({ ...plain, key }, "edit"), null);
+  for (const key of ["Enter", "n", "s"]) assert.equal(command({ ...plain, key }, "navigate"), null);
   assert.equal(command({ ...plain, key: "f", ctrlKey: true }, "edit"), null);
   assert.equal(command({ ...plain, key: "f", altKey: true }, "edit"), null);
   assert.equal(command({ ...plain, key: "z", ctrlKey: true }, "navigate"), null);

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { packColor } from "../src/palette.js";
-import { atomTable, describe, makePartition, NONE } from "../src/partition.js";
+import { atomTable, countSegments, describe, makePartition, NONE } from "../src/partition.js";
 
 const arrays = {
   faceAtom: new Uint32Array([0, 0, 1, 2, 2, 2, 3]),
@@ -12,18 +12,25 @@ const arrays = {
 
 test("a face has the part of the chosen level, its segment and their sizes", () => {
   const fine = makePartition(arrays, 0);
-  assert.deepEqual(describe(fine, 2), { part: 6, segment: 0, partFaces: 1, segmentFaces: 3 });
+  assert.deepEqual(describe(fine, 2), { part: 6, segment: 0, partFaces: 1, segmentFaces: 3, segmentArea: 0 });
   assert.deepEqual(describe(makePartition(arrays, 1), 4), {
     part: 0,
     segment: 1,
     partFaces: 7,
     segmentFaces: 3,
+    segmentArea: 0,
   });
 });
 
 test("without levels the segments are the parts", () => {
   const partition = makePartition({ ...arrays, atomPart: null }, -1);
-  assert.deepEqual(describe(partition, 3), { part: 1, segment: 1, partFaces: 3, segmentFaces: 3 });
+  assert.deepEqual(describe(partition, 3), {
+    part: 1,
+    segment: 1,
+    partFaces: 3,
+    segmentFaces: 3,
+    segmentArea: 0,
+  });
 });
 
 test("segments have the colours that Python chose, unlabelled atoms none", () => {
@@ -39,4 +46,25 @@ test("parts have colours of their own", () => {
     atomTable(makePartition(arrays, 1), "parts")[14],
     atomTable(makePartition(arrays, 1), "parts")[2],
   );
+});
+
+test("hidden atoms are marked beside their colour", () => {
+  const table = atomTable(makePartition(arrays, 0), "segments", new Uint8Array([0, 1, 0, 1]));
+  assert.deepEqual([table[3], table[7], table[11], table[15]], [1, 3, 1, 2]);
+});
+
+test("areas are those of the faces", () => {
+  const mesh = {
+    vertices: new Float32Array([0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 4]),
+    faces: new Uint32Array([0, 1, 2, 0, 1, 3]),
+  };
+  const faceAtom = new Uint32Array([0, 1]);
+  const atomSegment = new Uint32Array([0, 0]);
+  const partition = makePartition({ faceAtom, atomSegment, atomPart: null, segmentColors: null }, -1, mesh);
+  assert.deepEqual([...partition.atomArea], [3, 4]);
+  assert.equal(describe(partition, 1).segmentArea, 7);
+});
+
+test("unlabelled atoms are no segment", () => {
+  assert.equal(countSegments(arrays.atomSegment), 2);
 });

@@ -40,3 +40,17 @@ test("an array is there only once header and bytes have both arrived", () => {
   state._x = new DataView(new ArrayBuffer(0));
   assert.equal(readArray(model, "x"), null);
 });
+
+test("the same bytes give the same array, other bytes another one", () => {
+  const state = /** @type {Record<string, any>} */ ({
+    _headers: { x: { dtype: "uint32", shape: [1] } },
+    _x: new DataView(new ArrayBuffer(4)),
+  });
+  const model = /** @type {any} */ ({ get: (/** @type {string} */ name) => state[name] });
+  const first = readArray(model, "x");
+  assert.equal(readArray(model, "x"), first);
+  state._headers = { x: { dtype: "float32", shape: [1] } };
+  assert.ok(readArray(model, "x") instanceof Float32Array);
+  state._x = new DataView(new ArrayBuffer(4));
+  assert.notEqual(readArray(model, "x"), first);
+});

@@ -1,0 +1,48 @@
+/** Pieces of the page. */
+
+const ICONS = {
+  fit: "M2.5 6V2.5H6M10 2.5h3.5V6M13.5 10v3.5H10M6 13.5H2.5V10",
+  above: "M8 2 14 5 8 8 2 5ZM2 8.2l6 3 6-3M2 11.2l6 3 6-3",
+  start: "M2.5 7.5 8 2.5l5.5 5M4.2 6.5v6.8h7.6V6.5",
+  outlines: "M2.5 3.5h4l2 4.5-2 4.5h-4ZM9.5 3.5h4v9h-4l2-4.5Z",
+  backFaces: "M2.5 5 8 2.3 13.5 5v6L8 13.7 2.5 11ZM2.5 5 8 7.8 13.5 5M8 7.8v5.9",
+  undo: "M6 3 2.8 6.2 6 9.4M3 6.2h6.2a3.6 3.6 0 0 1 0 7.2H6.5",
+  redo: "M10 3l3.2 3.2L10 9.4M13 6.2H6.8a3.6 3.6 0 0 0 0 7.2h2.7",
+  close: "M4 4l8 8M12 4l-8 8",
+};
+
+/**
+ * @template {keyof HTMLElementTagNameMap} Tag
+ * @param {Tag} tag
+ * @param {Record<string, string>} [attributes]
+ * @param {Array<Node | string>} [children]
+ * @returns {HTMLElementTagNameMap[Tag]}
+ */
+export function element(tag, attributes = {}, children = []) {
+  const node = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
+  node.append(...children);
+  return node;
+}
+
+/**
+ * @param {keyof typeof ICONS} icon
+ * @param {string} name
+ * @param {string} key
+ */
+export function iconButton(icon, name, key) {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
+  svg.setAttribute("viewBox", "0 0 16 16");
+  svg.setAttribute("aria-hidden", "true");
+  path.setAttribute("d", ICONS[icon]);
+  svg.append(path);
+  const attributes = { class: "sw-button", type: "button", "aria-label": name, title: `${name} (${key})` };
+  return element("button", attributes, [svg]);
+}
+
+/** @param {string} name @param {string} [title] */
+export function textButton(name, title) {
+  const attributes = { class: "sw-text-button", type: "button", ...(title ? { title } : {}) };
+  return element("button", attributes, [name]);
+}
