@@ -52,3 +52,13 @@ def test_every_public_name_is_there():
         assert getattr(scenewidget, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'segmnt'"):
         _ = scenewidget.segmnt
+
+
+def test_the_modules_of_the_engine_are_there_without_being_imported_one_by_one():
+    code = (
+        "import scenewidget as sw; import scipy.sparse as sp; "
+        "print(sw.engine.distances.all_pairs(sp.csr_array([[0, 2.0], [2.0, 0]])).tolist()); "
+        "print('peac' in dir(sw.engine))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split("\n")[:2] == ["[[0.0, 2.0], [2.0, 0.0]]", "True"]

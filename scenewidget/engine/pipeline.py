@@ -586,7 +586,7 @@ def _consensus_peac(
     if total > 0 and left > 0.05 * total:
         warnings.warn(
             f"{left / total:.0%} of the area has no cluster with a probability of at least ½; "
-            "raise n_segments, or settle it with leftover='argmax' or 'linkage'",
+            "raise n_segments, or settle it with another leftover",
             stacklevel=2,
         )
     if unsolved:
