@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from scenewidget.engine.mesh import FloatArray, IntArray
 
-__all__ = ["adjacent_segments", "choose_colors", "inherited_colors", "palette"]
+__all__ = ["adjacent_segments", "are_distinct", "choose_colors", "inherited_colors", "palette"]
 
 UNLABELLED = -1
 
@@ -94,6 +94,11 @@ def inherited_colors(
             colors[segment] = colors_before[old]
             is_taken[old] = True
     return colors
+
+
+def are_distinct(color: int, others: IntArray) -> bool:
+    """Whether a row of the palette can be told from some others, by everybody."""
+    return bool((_differences()[color, others] >= ENOUGH / 2).all())
 
 
 def adjacent_segments(faces: IntArray, labels: IntArray, n_vertices: int) -> IntArray:

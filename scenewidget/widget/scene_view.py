@@ -79,11 +79,18 @@ import traitlets
 
 from scenewidget.engine.atoms import Atoms, common_refinement
 from scenewidget.engine.mesh import IntArray, Mesh
-from scenewidget.widget.palette import adjacent_segments, choose_colors, inherited_colors, palette
+from scenewidget.widget.palette import (
+    adjacent_segments,
+    are_distinct,
+    choose_colors,
+    inherited_colors,
+    palette,
+)
 
 __all__ = ["SceneView"]
 
 STATIC = Path(__file__).parent.parent / "static"
+N_SPARE = 6  # colours for segments that the browser makes before Python knows of them
 MAX_CLIENTS = 32  # pages that show a view at the same time
 UNLABELLED = 0xFFFFFFFF  # -1 in the tables that cross to the browser
 
@@ -153,6 +160,8 @@ class SceneView(anywidget.AnyWidget):
         self._levels: dict[str, IntArray] = {}
         self._segments: IntArray | None = None
         self._color_rows: IntArray = np.zeros(0, np.int64)
+        self._spare_rows: IntArray = np.zeros(0, np.int64)
+        self._row_of_id: dict[int, int] = {}
         arrays = _geometry(mesh)
         if mesh.vertex_colors is not None:
             options.setdefault("color_by", "scan")
@@ -174,6 +183,7 @@ class SceneView(anywidget.AnyWidget):
         segments: IntArray,
         names: Mapping[int, str] | None = None,
         confidence: npt.ArrayLike | None = None,
+        ids: IntArray | None = None,
     ) -> None:
         """Show segments and the recommendation levels that hovering goes through.
 
@@ -190,7 +200,21 @@ class SceneView(anywidget.AnyWidget):
             Shown beside the number of a segment that is pointed at.
         confidence : (n_segments,) float, optional
             Likewise, 0 to 1.
+        ids : (n_segments,) int, optional
+            What stays of a segment when an edit numbers them anew: over the calls of `set_segments` that
+            follow, the same id keeps its colour.
         """
+        self._row_of_id = {}
+        self._show_partition(levels, segments, names, confidence, ids)
+
+    def _show_partition(
+        self,
+        levels: Mapping[str, IntArray],
+        segments: IntArray,
+        names: Mapping[int, str] | None,
+        confidence: npt.ArrayLike | None,
+        ids: IntArray | None,
+    ) -> None:
         checked = {name: self._checked(f"levels[{name!r}]", labels) for name, labels in levels.items()}
         segments = self._checked("segments", segments)
         atoms = common_refinement([*checked.values(), segments], self.mesh.n_faces)
@@ -202,7 +226,7 @@ class SceneView(anywidget.AnyWidget):
             self._put("atom_part", _table(parts.reshape(len(checked), len(atoms.first_face))))
             if self.level not in checked:
                 self.level = "final" if "final" in checked else next(reversed(checked), "")
-            self._show_segments(segments, segments[atoms.first_face], names, confidence)
+            self._show_segments(segments, segments[atoms.first_face], names, confidence, ids)
             if self.color_by in ("scan", "shaded") and self.revision == 1:
                 self.color_by = "segments"
 
@@ -211,6 +235,7 @@ class SceneView(anywidget.AnyWidget):
         segments: IntArray,
         names: Mapping[int, str] | None = None,
         confidence: npt.ArrayLike | None = None,
+        ids: IntArray | None = None,
     ) -> None:
         """Show other segments over the same levels, as after an edit; sends one small table if it can.
 
@@ -219,10 +244,10 @@ class SceneView(anywidget.AnyWidget):
         segments = self._checked("segments", segments)
         table = None if self._atoms is None else self._atoms.table(segments)
         if table is None:
-            self.set_partition(self._levels, segments, names, confidence)
+            self._show_partition(self._levels, segments, names, confidence, ids)
             return
         with self.hold_sync():
-            self._show_segments(segments, table, names, confidence)
+            self._show_segments(segments, table, names, confidence, ids)
 
     def answer(self, message: Mapping[str, Any]) -> None:
         """Tell the browser that an edit's message has been dealt with, whether it changed anything or not.
@@ -325,24 +350,44 @@ class SceneView(anywidget.AnyWidget):
         table: IntArray,
         names: Mapping[int, str] | None,
         confidence: npt.ArrayLike | None,
+        ids: IntArray | None,
     ) -> None:
         n_rows = int(segments.max()) + 1
         sure = np.zeros(0) if confidence is None else np.asarray(confidence)
         if confidence is not None and sure.shape != (n_rows,):
             raise ValueError(f"confidence must have shape ({n_rows},), one a segment, got {sure.shape}")
-        known = None
-        if self._segments is not None:
-            known = inherited_colors(segments, n_rows, self._segments, self._color_rows)
+        if ids is not None and len(ids) != n_rows:
+            raise ValueError(f"ids must have shape ({n_rows},), one a segment, got ({len(ids)},)")
         sizes = np.bincount(segments[segments >= 0], minlength=n_rows)
         neighbours = adjacent_segments(self.mesh.faces, segments, self.mesh.n_vertices)
+        known = np.full(n_rows, -1)
+        if ids is not None and self._row_of_id:
+            known = self._rows_of_ids(ids, neighbours)
+        elif self._segments is not None:
+            known = inherited_colors(segments, n_rows, self._segments, self._color_rows)
         self._color_rows = choose_colors(n_rows, neighbours, sizes / self.mesh.n_faces, known)
+        if ids is not None:
+            self._row_of_id.update(zip(ids.tolist(), self._color_rows.tolist(), strict=True))
+        spare = np.concatenate([self._color_rows, self._spare_rows, np.full(N_SPARE, -1)])[: n_rows + N_SPARE]
+        shares = np.concatenate([sizes / self.mesh.n_faces, np.zeros(N_SPARE)])
+        self._spare_rows = choose_colors(n_rows + N_SPARE, neighbours, shares, spare)[n_rows:]
         self._segments = segments
         self._put("atom_segment", _table(table))
-        self._put("segment_colors", self.segment_colors)
+        self._put("segment_colors", palette()[np.concatenate([self._color_rows, self._spare_rows])])
         self._put("segment_confidence", sure.astype(np.float32))
         self.set_trait("n_segments", int(np.count_nonzero(sizes)))
         self.set_trait("segment_names", {str(segment): str(name) for segment, name in (names or {}).items()})
         self.set_trait("revision", self.revision + 1)
+
+    def _rows_of_ids(self, ids: IntArray, neighbours: IntArray) -> IntArray:
+        """Colours that segments have already; new ones get those that the browser has shown them in."""
+        rows = np.array([self._row_of_id.get(i, -1) for i in ids.tolist()], np.int64)
+        new = np.flatnonzero(rows < 0)
+        for segment in new[np.argsort(ids[new])][: len(self._spare_rows)]:
+            row, self._spare_rows = self._spare_rows[0], self._spare_rows[1:]
+            around = rows[np.concatenate([neighbours[neighbours[:, k] == segment, 1 - k] for k in (0, 1)])]
+            rows[segment] = row if are_distinct(row, around[around >= 0]) else -1
+        return rows
 
     def _put(self, name: str, array: npt.NDArray[Any]) -> None:
         self._headers = {**self._headers, name: _header(array)}

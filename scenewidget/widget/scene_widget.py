@@ -17,7 +17,7 @@ import traitlets
 
 from scenewidget.editing.edits import EditError
 from scenewidget.editing.session import Event, Session
-from scenewidget.engine.mesh import FloatArray, Mesh
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import LEVELS, Segmentation
@@ -233,6 +233,7 @@ class SceneWidget(widgets.VBox):
             return
         revision = session.revision  # what is read below is this state or a newer one
         automatic, segmentation = session.automatic, session.segmentation
+        ids = _segment_ids(session, segmentation)
         history, undone = session.history, session.undone
         names = {i: name for i, name in enumerate(segmentation.names) if name}
         confidence = _mean_confidence(segmentation)
@@ -242,10 +243,10 @@ class SceneWidget(widgets.VBox):
                 if automatic is not self._shown_automatic:
                     self._shown_automatic = automatic
                     levels = {str(level): automatic.level(level) for level in LEVELS}
-                    self.view.set_partition(levels, segmentation.labels, names, confidence)
+                    self.view.set_partition(levels, segmentation.labels, names, confidence, ids)
                     self._first_revision = self.view.revision
                 elif segmentation is not self.segmentation:
-                    self.view.set_segments(segmentation.labels, names, confidence)
+                    self.view.set_segments(segmentation.labels, names, confidence, ids)
                 self.view.undo_title = history[-1].title if history else ""
                 self.view.redo_title = undone[0].title if undone else ""
                 self.view.vocabulary = list(session.vocabulary)
@@ -295,6 +296,18 @@ class SceneWidget(widgets.VBox):
         self.controls.offer_rerun(self._shown_params != self.params)
         self.view.status, self.view.progress, self.view.busy = summary, 1.0, False
         self.set_trait("busy", False)
+
+
+def _segment_ids(session: Session, segmentation: Segmentation) -> IntArray | None:
+    """(n_segments,) what stays of each segment over edits; None if another edit came in between."""
+    atoms, segments = session.atoms, session.atom_segments
+    if len(segments) != atoms.n:
+        return None
+    labels = segmentation.labels[atoms.first_face]
+    ids: IntArray = np.full(int(labels.max(initial=-1)) + 1, -1)
+    ids[labels[labels >= 0]] = segments[labels >= 0]
+    is_whole = np.array_equal(ids[labels[labels >= 0]], segments[labels >= 0]) and (ids >= 0).all()
+    return ids if is_whole and len(np.unique(ids)) == len(ids) else None
 
 
 def _mean_confidence(segmentation: Segmentation) -> FloatArray:

@@ -135,6 +135,21 @@ def test_an_edit_that_cuts_through_atoms_sends_new_ones(view, quarters):
     assert view.levels == ["final"]
 
 
+def test_a_segment_keeps_its_colour_by_its_id_and_a_new_one_gets_a_spare_one(view, quarters):
+    view.set_partition({"final": quarters}, quarters, ids=np.array([10, 11, 12, 13]))
+    colors, sent = view.segment_colors, array(view, "segment_colors")
+    np.testing.assert_array_equal(sent[:4], colors)
+    merged = np.array([1, 0, 0, 2])[quarters]  # 11 and 12 have become the first, as 12
+    view.set_segments(merged, ids=np.array([12, 10, 13]))
+    np.testing.assert_array_equal(view.segment_colors, colors[[2, 0, 3]])
+    view.set_segments(quarters, ids=np.array([10, 14, 12, 13]))
+    np.testing.assert_array_equal(view.segment_colors, [colors[0], sent[4], colors[2], colors[3]])
+    view.set_segments(quarters, ids=np.array([10, 11, 12, 13]))
+    np.testing.assert_array_equal(view.segment_colors, colors)
+    with pytest.raises(ValueError, match=r"ids must have shape \(4,\), one a segment, got \(1,\)"):
+        view.set_segments(quarters, ids=np.array([1]))
+
+
 def test_confidence_is_one_number_a_segment(view, quarters):
     view.set_partition({}, quarters, confidence=[0.5, 1, 0, 0.25])
     np.testing.assert_array_equal(array(view, "segment_confidence"), np.float32([0.5, 1, 0, 0.25]))

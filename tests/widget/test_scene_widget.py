@@ -172,6 +172,14 @@ def test_gestures_edit_and_can_be_undone(widget):
     assert len(widget.session.edits) == 2
 
 
+def test_a_merged_segment_has_the_colour_of_the_one_it_was_moved_onto(widget):
+    large, _, small = one_face_each(widget.wait(60), 3)
+    color = widget.view.segment_colors[2].tolist()
+    gesture(widget, kind="merge", face=large, onto_face=small, level="final")
+    label = widget.segmentation.labels[large]
+    assert widget.view.segment_colors[label].tolist() == color
+
+
 def test_a_name_given_in_the_picture_is_that_of_the_segment(widget):
     before = widget.wait(60)
     first, second = one_face_each(before, 2)
