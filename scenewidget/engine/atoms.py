@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from scenewidget.engine.mesh import BoolArray, IntArray
 
-__all__ = ["Atoms", "common_refinement"]
+__all__ = ["Atoms", "by_first_appearance", "common_refinement"]
 
 TABLE_LIMIT = 1 << 25  # codes up to here are renumbered through a table of 9 bytes each, not by sorting
 
@@ -82,6 +83,14 @@ def common_refinement(columns: Iterable[IntArray], n_faces: int) -> Atoms:
         codes, n_codes = _dense(labels.astype(np.int64) + 1)
         face_atom, n_atoms = _dense(face_atom * n_codes + codes)
     return Atoms(face_atom.astype(np.uint32), _first_faces(face_atom, n_atoms))
+
+
+def by_first_appearance(values: npt.NDArray[Any]) -> npt.NDArray[np.int32]:
+    """(n,) int32: equal values get equal numbers, 0, 1, … in the order in which they first appear."""
+    _, first, inverse = np.unique(values, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), dtype=np.int32)
+    rank[np.argsort(first)] = np.arange(len(first), dtype=np.int32)
+    return rank[inverse]
 
 
 def _first_faces(face_atom: IntArray, n_atoms: int) -> IntArray:

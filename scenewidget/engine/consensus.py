@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 import numba
 import numpy as np
 
+from scenewidget.engine.atoms import by_first_appearance
 from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.peac import PeacResult, peac
@@ -61,10 +62,7 @@ def base_segments(keys: IntArray) -> IntArray:
     if keys.shape[1] == 0:
         return np.zeros(len(keys), dtype=np.int32)
     rows = keys.view(np.dtype((np.void, keys.itemsize * keys.shape[1]))).ravel()
-    _, first, inverse = np.unique(rows, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.int32)
-    rank[np.argsort(first)] = np.arange(len(first), dtype=np.int32)
-    return rank[inverse]
+    return by_first_appearance(rows)
 
 
 def co_association(keys: IntArray, weights: FloatArray | None = None) -> CoAssociation:
@@ -208,10 +206,7 @@ def median_partition(C: FloatArray, weights: FloatArray, *, seed: int = 0, max_s
     labels = _best_moves(
         C, a, labels.astype(np.int64), np.random.default_rng(seed).permutation(len(C)), max_sweeps
     )
-    _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.int32)
-    rank[np.argsort(first)] = np.arange(len(first), dtype=np.int32)
-    return rank[inverse]
+    return by_first_appearance(labels)
 
 
 @numba.njit(cache=True, nogil=True)

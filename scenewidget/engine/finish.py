@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from scenewidget.engine.atoms import by_first_appearance
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import IntArray, connected_components
 
@@ -30,11 +31,8 @@ def connected_pieces(labels: IntArray, pairs: IntArray) -> IntArray:
     """
     same = pairs[labels[pairs[:, 0]] == labels[pairs[:, 1]]]
     _, piece = connected_components(len(labels), same)
-    _, first, inverse = np.unique(piece[labels >= 0], return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.int32)
-    rank[np.argsort(first)] = np.arange(len(first), dtype=np.int32)
     out = np.full(len(labels), -1, dtype=np.int32)
-    out[labels >= 0] = rank[inverse]
+    out[labels >= 0] = by_first_appearance(piece[labels >= 0])
     return out
 
 

@@ -27,7 +27,7 @@ from scenewidget.engine.mesh import (
     connected_components,
     face_adjacency,
 )
-from scenewidget.engine.moments import Moments, face_moments
+from scenewidget.engine.moments import Moments, face_moments, moment_origin
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.preprocess import filter_normals, simplify
 
@@ -309,7 +309,7 @@ def _build(
     code, seam_pair = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
     pairs = np.stack([code // n, code % n], axis=1).astype(np.int32)
     seam_dot = np.einsum("ij,ij->i", normals[faces[:, 0]], normals[faces[:, 1]]).astype(np.float32)
-    centroids = moments.centroid + 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+    centroids = moments.centroid + moment_origin(mesh)
     return Items(
         moments.area, centroids, item_normals, moments, pairs, seam_pair.astype(np.int32), seam_dot,
         mesh, item_of_face, face_map, report,

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+from scenewidget.engine.atoms import by_first_appearance
 from scenewidget.engine.mesh import FloatArray, IntArray
 
 __all__ = ["average_linkage", "cut_tree"]
@@ -68,10 +69,7 @@ def cut_tree(tree: FloatArray, *, n_clusters: int | None = None, similarity: flo
         parent[int(tree[step, 0])] = parent[int(tree[step, 1])] = n + step
     for node in range(n + n_merges - 1, -1, -1):  # parents have larger numbers: one pass from the top
         parent[node] = parent[parent[node]]
-    _, first, inverse = np.unique(parent[:n], return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.int32)
-    rank[np.argsort(first)] = np.arange(len(first), dtype=np.int32)
-    return rank[inverse]
+    return by_first_appearance(parent[:n])
 
 
 @numba.njit(cache=True, nogil=True)
