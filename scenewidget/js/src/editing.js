@@ -1,0 +1,93 @@
+/** What people do to segments: edits go to Python and show at once; hiding and framing stay on the page. */
+
+import { segmentTitle } from "./description.js";
+import { foresee } from "./editor.js";
+import { NONE } from "./partition.js";
+
+/** @typedef {import("./gestures.js").Place} Place */
+
+/**
+ * @param {object} around
+ * @param {import("./wire.js").Model} around.model
+ * @param {import("./viewer.js").Viewer} around.view
+ * @param {ReturnType<typeof import("./panel.js").createPanel>} around.panel
+ * @param {import("./labelling.js").Labelling} around.labelling
+ * @param {object} callbacks
+ * @param {() => void} callbacks.onEdit  segments have changed
+ * @param {() => void} callbacks.onHide  what is drawn has changed
+ * @param {() => void} callbacks.letGo  of the picked part
+ */
+export function createEditing({ model, view, panel, labelling }, { onEdit, onHide, letGo }) {
+  /** Show an edit and tell Python of it, unless it makes no sense. @param {import("./editor.js").Edit} operation */
+  function edit(operation) {
+    const { ground, shown } = labelling;
+    const revision = model.get("revision");
+    if (!model.get("editable") || !ground || !shown) {
+      model.send({ ...operation, revision });
+      return;
+    }
+    const foreseen = foresee(ground, shown.labels, operation);
+    if (typeof foreseen === "string") panel.remark(foreseen);
+    else queue(operation, { revision });
+  }
+
+  /** Undo or redo. @param {"undo" | "redo"} kind */
+  function walk(kind) {
+    if (!model.get("editable")) model.send({ kind });
+    else queue({ kind }, {});
+  }
+
+  /** @param {import("./editor.js").Operation} operation @param {object} details */
+  function queue(operation, details) {
+    panel.remark("");
+    model.send({ ...operation, ...details, ...labelling.pending.add(operation) });
+    onEdit();
+  }
+
+  /** @param {import("./keys.js").PartAction} what @param {number} face @param {Place | null} place */
+  function act(what, face, place) {
+    const segment = view.segmentOf(face);
+    switch (what) {
+      case "split":
+        letGo();
+        edit({ kind: "split", face, level: labelling.level });
+        break;
+      case "name":
+        name(face, place ?? { x: view.size.width / 2, y: view.size.height / 2 });
+        break;
+      case "frame":
+        view.lookAt(face);
+        break;
+      default:
+        hide(segment, what === "isolate");
+    }
+  }
+
+  /** @param {number} face @param {Place} place */
+  function name(face, place) {
+    const segment = view.segmentOf(face);
+    const { names } = labelling;
+    if (segment === NONE) {
+      panel.remark("This surface is unlabelled: there is no segment to name");
+      return;
+    }
+    panel.naming.ask(segmentTitle(segment, names), names[segment] ?? "", place, (given) => {
+      if (given !== (names[segment] ?? "")) edit({ kind: "relabel", face, name: given });
+    });
+  }
+
+  /** Hide a segment, or all others; null shows everything. @param {number | null} segment */
+  function hide(segment, isIsolating = false) {
+    const { partition, hidden } = view;
+    if (!partition) return;
+    const { atomSegment } = partition;
+    const isHidden = (/** @type {number} */ atom) =>
+      isIsolating ? atomSegment[atom] !== segment : hidden?.[atom] === 1 || atomSegment[atom] === segment;
+    const isDone = hidden !== null && atomSegment.every((_, atom) => isHidden(atom) === (hidden[atom] === 1));
+    view.hide(segment === null || (isIsolating && isDone) ? null : isHidden);
+    letGo();
+    onHide();
+  }
+
+  return { edit, walk, act, hide };
+}

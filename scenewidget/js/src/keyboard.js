@@ -1,0 +1,80 @@
+/** Key presses on a view: finds what each means and has it done. */
+
+import { command } from "./keys.js";
+
+/**
+ * @param {object} around
+ * @param {import("./wire.js").Model} around.model
+ * @param {import("./viewer.js").Viewer} around.view
+ * @param {ReturnType<typeof import("./panel.js").createPanel>} around.panel
+ * @param {ReturnType<typeof import("./pointing.js").createPointing>} around.pointing
+ * @param {ReturnType<typeof import("./editing.js").createEditing>} around.editing
+ * @param {AbortSignal} around.signal
+ */
+export function listenToKeys({ model, view, panel, pointing, editing, signal }) {
+  const { root } = panel;
+
+  /** @param {string} name @param {unknown} value */
+  const set = (name, value) => {
+    model.set(name, value);
+    model.save_changes();
+  };
+
+  /** @param {KeyboardEvent} event */
+  const onKey = (event) => {
+    const target = event.target instanceof HTMLElement ? event.target : root;
+    if (target.matches("select, input") && event.key !== "Escape") return;
+    if (target.matches("button") && (event.key === "Enter" || event.key === " ")) return;
+    const ordered = command(event, model.get("mode"));
+    if (!ordered) return;
+    event.preventDefault();
+    event.stopPropagation();
+    pointing.showAim(target === root);
+    obey(ordered);
+  };
+
+  /** @param {import("./keys.js").Command} ordered */
+  const obey = (ordered) => {
+    const place = pointing.aimed();
+    const face = place && view.faceAt(place);
+    const picked = pointing.picked();
+    switch (ordered.kind) {
+      case "orbit":
+      case "pan":
+        view.apply(ordered);
+        break;
+      case "zoom":
+        view.apply({ ...ordered, x: view.size.width / 2, y: view.size.height / 2 });
+        break;
+      case "look":
+        view.lookFrom(ordered.from);
+        break;
+      case "level":
+        if (ordered.index < model.get("levels").length) set("level", model.get("levels")[ordered.index]);
+        break;
+      case "toggle":
+        if (ordered.what === "help") panel.showHelp(!panel.isHelpShown());
+        else if (ordered.what !== "mode") set(ordered.what, !model.get(ordered.what));
+        else if (model.get("editable")) set("mode", model.get("mode") === "edit" ? "navigate" : "edit");
+        break;
+      case "escape":
+        if (panel.isHelpShown()) panel.showHelp(false);
+        else pointing.letGo();
+        break;
+      case "choose":
+        pointing.choose();
+        break;
+      case "part":
+        if (face !== null) editing.act(ordered.what, face, place);
+        else if (picked) editing.act(ordered.what, picked.face, place);
+        else if (ordered.what === "frame") view.lookFrom("here");
+        break;
+      case "show_all":
+        editing.hide(null);
+        break;
+      default:
+        editing.walk(ordered.kind);
+    }
+  };
+  root.addEventListener("keydown", onKey, { signal });
+}

@@ -1,0 +1,106 @@
+/** The segments as one page shows them: Python's, with the edits on top that it hasn't answered yet. */
+
+import { describeFace, segmentTitle } from "./description.js";
+import { canMerge, FINAL, NOTHING, Pending, replay } from "./editor.js";
+import { countSegments, makePartition, NONE } from "./partition.js";
+import { readArray } from "./wire.js";
+
+/** @typedef {import("./wire.js").Model} Model */
+/** @typedef {import("./viewer.js").Viewer} Viewer */
+
+export class Labelling {
+  /**
+   * @param {Model} model
+   * @param {Viewer} view
+   */
+  constructor(model, view) {
+    this.model = model;
+    this.view = view;
+    this.pending = new Pending(Math.random().toString(36).slice(2, 10));
+    /** @type {import("./editor.js").Ground | null} */
+    this.ground = null;
+    /** @type {ReturnType<typeof replay> | null} */
+    this.shown = null;
+  }
+
+  /** Take what the model holds and show it. */
+  read() {
+    const { model, view } = this;
+    const faceAtom = /** @type {Uint32Array | null} */ (readArray(model, "face_atom"));
+    const atomSegment = /** @type {Uint32Array | null} */ (readArray(model, "atom_segment"));
+    if (!faceAtom || !atomSegment) {
+      this.ground = this.shown = null;
+      view.setPartition(null);
+      return;
+    }
+    const atomPart = /** @type {Uint32Array | null} */ (readArray(model, "atom_part"));
+    const segmentColors = /** @type {Uint8Array | null} */ (readArray(model, "segment_colors"));
+    this.pending.answered(model.get("_answers"));
+    this.ground = { faceAtom, parts: partsOf(model.get("levels"), atomPart, atomSegment.length) };
+    const labels = { atomSegment, names: model.get("segment_names") };
+    this.shown = replay(this.ground, labels, this.pending.operations);
+    const level = this.level === FINAL ? -1 : model.get("levels").indexOf(this.level);
+    const tables = { faceAtom, atomSegment: this.shown.labels.atomSegment, atomPart, segmentColors };
+    view.setPartition(makePartition(tables, level, view.mesh));
+  }
+
+  get level() {
+    return this.model.get("level");
+  }
+
+  get count() {
+    return this.shown ? countSegments(this.shown.labels.atomSegment) : 0;
+  }
+
+  /** Names by segment. @returns {Record<string, string>} */
+  get names() {
+    return this.shown?.labels.names ?? {};
+  }
+
+  /** Name of the step that undo would take; null = there is none. @returns {string | null} */
+  get undo() {
+    return this.shown?.undo ?? (this.model.get("undo_title") || null);
+  }
+
+  /** @returns {string | null} */
+  get redo() {
+    if (this.shown?.redo === NOTHING) return null;
+    return this.shown?.redo ?? (this.model.get("redo_title") || null);
+  }
+
+  /** Whether the part under a face can be merged with what is under another. @param {number} face @param {number} onto */
+  isTarget(face, onto) {
+    const edit = /** @type {const} */ ({ kind: "merge", face, onto_face: onto, level: this.level });
+    return this.ground !== null && this.shown !== null && canMerge(this.ground, this.shown.labels, edit);
+  }
+
+  /** What the status line says of a face. @param {number} face */
+  descriptionOf(face) {
+    const partition = /** @type {import("./partition.js").Partition} */ (this.view.partition);
+    const segment = this.view.segmentOf(face);
+    const confidence = /** @type {Float32Array | null} */ (readArray(this.model, "segment_confidence"));
+    const isSettled = this.pending.operations.length === 0; // Python's table is of its own segments
+    const context = { level: this.level, names: this.names, confidence: isSettled ? confidence : null };
+    const [red, green, blue] = partition.segmentColors.subarray(3 * segment, 3 * segment + 3);
+    return {
+      text: describeFace(partition, face, context),
+      color: segment === NONE || blue === undefined ? null : `rgb(${red} ${green} ${blue})`,
+    };
+  }
+
+  /** @param {import("./gestures.js").Hit} hit */
+  titleOf({ part, segment }) {
+    return part === segment ? segmentTitle(segment, this.names) : `Part of level ${this.level}`;
+  }
+}
+
+/**
+ * Parts of each atom by level.
+ * @param {string[]} levels
+ * @param {Uint32Array | null} atomPart  levels one after another
+ * @param {number} nAtoms
+ */
+function partsOf(levels, atomPart, nAtoms) {
+  const rows = levels.map((_, i) => atomPart?.subarray(i * nAtoms, (i + 1) * nAtoms) ?? new Uint32Array(0));
+  return Object.fromEntries(levels.map((level, i) => [level, rows[i]]));
+}
