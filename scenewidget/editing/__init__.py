@@ -1,5 +1,6 @@
 """Correcting a segmentation by hand: edits, undo, project files, and formats that other tools read."""
 
+from scenewidget.editing.annotator import Correction, simulate_annotator
 from scenewidget.editing.edits import Cut, Edit, EditError, Merge, Relabel, Split
 from scenewidget.editing.fingerprint import Fingerprint, fingerprint
 from scenewidget.editing.formats import FormatError, export, import_labels
@@ -10,6 +11,7 @@ from scenewidget.editing.vocabulary import NYU40, SCANNET20, nyu_class, nyu_id
 __all__ = [
     "NYU40",
     "SCANNET20",
+    "Correction",
     "Cut",
     "Edit",
     "EditError",
@@ -28,4 +30,5 @@ __all__ = [
     "import_labels",
     "nyu_class",
     "nyu_id",
+    "simulate_annotator",
 ]
