@@ -123,7 +123,7 @@ class Judge:
         """Atoms by part, the largest part first: atoms, where each part begins, its faces."""
         inside = np.flatnonzero(part >= 0)
         _, dense = np.unique(part[inside], return_inverse=True)
-        size: FloatArray = np.bincount(dense, self.size[inside])
+        size = np.bincount(dense, self.size[inside]).astype(np.float64)
         rank = np.empty(len(size), dtype=np.int64)
         rank[np.argsort(-size, kind="stable")] = np.arange(len(size))
         order = np.argsort(rank[dense], kind="stable")
