@@ -31,6 +31,7 @@ from scenewidget.engine.consensus import (
 from scenewidget.engine.dihedral import dihedral_partition
 from scenewidget.engine.distances import MinPlusFactor, edge_costs, edge_weights, weight_graph
 from scenewidget.engine.ensemble import allocate, felzenszwalb_members, k_medoids_members
+from scenewidget.engine.family import Family, make_family
 from scenewidget.engine.features import (
     delta_coordinates,
     global_point_signature,
@@ -47,6 +48,8 @@ from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation, order_by_area
 
 __all__ = ["Pipeline", "segment"]
+
+FINE_SIMILARITY = 0.9  # what so many of the runs put together is one piece of the finest cut of a family
 
 
 @dataclass(frozen=True)
@@ -131,6 +134,28 @@ class Pipeline:
             "segmentation", stages(params), Monitor(progress, cancel), timings
         )
         return dataclasses.replace(result, timings=timings)
+
+    def family(
+        self,
+        params: Params | None = None,
+        *,
+        progress: Progress | None = None,
+        cancel: threading.Event | None = None,
+    ) -> Family:
+        """Nested segmentations from fine to coarse that run through what `run` gives.
+
+        ``family.cut(n)`` has exactly n segments, takes milliseconds, and is a union of the segments of
+        any finer cut; ``family.cut(result.n_segments)`` is the result of ``run(params)`` itself.
+        """
+        table = _with_family(_checked(params))
+        family: Family = self._compute("family", table, Monitor(progress, cancel), {})
+        return family
+
+    def knows(self, stage: str, params: Params) -> bool:
+        """Whether the result of a stage is remembered, so that asking for it costs nothing."""
+        table = stages(params)
+        with self._lock:
+            return stage in table and _key(stage, table) in self._memo
 
     def get(
         self,
@@ -335,6 +360,14 @@ def stages(params: Params) -> dict[str, Stage]:
 def _eigenbasis_stage(p: Params) -> Stage:
     options = (("k", p.n_eigenpairs), ("laplacian", p.laplacian))
     return Stage("eigenbasis", _eigenbasis, ("items",), options)
+
+
+def _with_family(p: Params) -> dict[str, Stage]:
+    table = stages(p)
+    table.setdefault("tree", Stage("tree", _tree, ("coassociation",)))
+    options = (("min_area", p.min_area), ("planes", p.join_planes))
+    table["family"] = Stage("family", _family, ("items", "coassociation", "tree", "segmentation"), options)
+    return table
 
 
 def _n_threads() -> int:
@@ -640,6 +673,25 @@ def _segmentation(
         simplified=None if is_raw else items.mesh,
         report=items.report,
     )
+
+
+def _family(
+    mesh: Mesh,
+    items: Items,
+    co: CoAssociation,
+    tree: FloatArray,
+    segmentation: Segmentation,
+    *,
+    monitor: Monitor,
+    planes: bool,
+    min_area: float,
+) -> Family:
+    fine = connected_pieces(cut_tree(tree, similarity=FINE_SIMILARITY)[co.base], items.pairs)
+    if planes:
+        fine = join_planes(items, fine)
+    if min_area > 0:
+        fine = absorb_small(items, fine, min_area)
+    return make_family(segmentation, fine, co, smallest=min_area)
 
 
 def _confidence(co: CoAssociation, labels: IntArray) -> FloatArray:

@@ -1,0 +1,275 @@
+"""One nested family of segmentations: granularity as a number that is answered at once.
+
+Goes in: a finished segmentation, a finer one, and how often the ensemble put base segments together. Comes
+out: a `Family`, a sequence of merges of fine pieces, so that a coarser segment is always a union of finer
+ones. It runs through the given segmentation: pieces are joined within its segments first, then its segments.
+Evidence accumulation by average linkage: Fred and Jain (2005), IEEE TPAMI 27(6); here among neighbours.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import sparse
+
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
+from scenewidget.engine.segmentation import Segmentation, order_by_area
+
+if TYPE_CHECKING:
+    from scenewidget.engine.consensus import CoAssociation
+    from scenewidget.engine.items import Items
+
+__all__ = ["Family", "make_family"]
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Nested segmentations of one mesh, from fine to coarse.
+
+    Attributes
+    ----------
+    segmentation : Segmentation
+        The one that the family was made for; ``cut(segmentation.n_segments)`` is this object.
+    piece : (n_items,) int32
+        Finest segment of each item, dense; −1 for items that no face of the mesh belongs to.
+    merges : (most − least, 2) int32
+        Pieces that stand for the two segments joined at each step, from fine to coarse. The first, of the
+        larger area, stands for both from then on.
+    similarity : (most − least,) float64
+        Mean co-association of the two: the share of the runs that put them together.
+    """
+
+    segmentation: Segmentation
+    piece: IntArray
+    merges: IntArray
+    similarity: FloatArray
+    _base: IntArray  # (n_items,) base segment
+    _agreement: FloatArray  # (n_base, most) float32, a piece's area times its mean co-association
+    _areas: FloatArray  # (most,) of the items of each piece
+    _face_areas: FloatArray  # (most,) of the faces of each piece
+
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+    def __repr__(self) -> str:
+        return f"Family({self.least} to {self.most} segments)"
+
+    @property
+    def most(self) -> int:
+        """Segments of the finest cut."""
+        return len(self._areas)
+
+    @property
+    def least(self) -> int:
+        """Segments of the coarsest cut: what no run ever put together is not joined."""
+        return len(self._areas) - len(self.merges)
+
+    def groups(self, n_segments: int) -> IntArray:
+        """(most,) int32 which piece stands for the segment of each piece, at so many segments.
+
+        Raises
+        ------
+        ValueError
+            The family has no such cut.
+        """
+        if not self.least <= n_segments <= self.most:
+            raise ValueError(
+                f"n_segments must lie in {self.least}..{self.most}, the range of this family, "
+                f"got {n_segments}"
+            )
+        group = np.arange(self.most, dtype=np.int32)
+        for kept, gone in self.merges[: self.most - n_segments][::-1]:  # the last first: one pass is enough
+            group[gone] = group[kept]
+        return group
+
+    def cut(self, n_segments: int) -> Segmentation:
+        """The segmentation with exactly so many segments.
+
+        Its confidence is that of ``segmentation`` times how much better or worse the runs agree with an
+        item's segment here than there, at most 1.
+
+        Raises
+        ------
+        ValueError
+            Fewer than ``least`` or more than ``most``.
+        """
+        run, group = self.segmentation, self.groups(n_segments)
+        if n_segments == run.n_segments:
+            return run
+        dense, _ = order_by_area(group, self._face_areas)
+        item_labels = np.append(dense, -1)[self.piece]
+        before = self._mean_agreement(self.groups(run.n_segments))
+        ratio = self._mean_agreement(group) / np.maximum(before, 1e-12)
+        factor = np.append(ratio, 0.0).astype(np.float32)[run.face_map]
+        labels = np.append(item_labels, np.int32(-1))[run.face_map]
+        return dataclasses.replace(
+            run,
+            labels=labels,
+            confidence=np.clip(run.confidence * factor, 0.0, 1.0),
+            names=(),
+            item_labels=item_labels,
+            timings={},
+        )
+
+    def _mean_agreement(self, group: IntArray) -> FloatArray:
+        """(n_items,) mean co-association of an item with its segment."""
+        _, index = np.unique(group, return_inverse=True)
+        order = np.argsort(index, kind="stable")
+        starts = np.searchsorted(index[order], np.arange(int(index.max()) + 1))
+        total = np.add.reduceat(self._agreement[:, order], starts, axis=1)
+        total /= np.maximum(np.bincount(index, self._areas), 1e-300)
+        return np.asarray(total[self._base, index[self.piece]])
+
+
+def make_family(
+    segmentation: Segmentation, fine: IntArray, co: CoAssociation, *, smallest: float = 0.0
+) -> Family:
+    """The nested family that runs through a segmentation.
+
+    Parameters
+    ----------
+    segmentation : Segmentation
+        Of items, as `segment` makes it.
+    fine : (n_items,) int
+        Finished labels of a finer cut. Pieces are what is one segment in it and in ``segmentation``.
+    co : CoAssociation
+        Of the items.
+    smallest : float
+        Smaller pieces (m²) go to the piece of their segment that they agree with most, neighbours first.
+
+    Returns
+    -------
+    Family
+        At each step the two segments are joined that touch and have the largest mean co-association; first
+        within the segments of ``segmentation``, where in the end those that don't touch are joined too,
+        then among them.
+    """
+    items, run, face_map = segmentation.items, segmentation.item_labels, segmentation.face_map
+    if items is None or run is None or face_map is None:
+        raise ValueError("segmentation has no items: it must come from segment() or Pipeline.run()")
+    keep, mapped = run >= 0, face_map >= 0
+    code = run.astype(np.int64) * (int(fine.max()) + 1) + fine
+    piece = np.full(items.n, -1, dtype=np.int32)
+    piece[keep] = np.unique(code[keep], return_inverse=True)[1]
+    seen = np.bincount(face_map[mapped], segmentation.mesh.face_areas[mapped], items.n)
+    n_faces = np.bincount(face_map[mapped], minlength=items.n)
+
+    bonds = _bonds(items, co, piece)
+    home = np.zeros(len(bonds.area), dtype=np.int64)
+    home[piece[keep]] = run[keep]
+    is_crumb = bonds.area < smallest
+    is_crumb |= np.bincount(piece[keep], n_faces[keep], len(home)) == 0
+    for crumb in np.flatnonzero(is_crumb)[np.argsort(bonds.area[is_crumb], kind="stable")]:
+        kin = (home == home[crumb]) & bonds.is_there
+        kin[crumb] = False
+        if (bonds.area[crumb] < smallest or n_faces[piece == crumb].sum() == 0) and kin.any():
+            into = int(np.argmax(np.where(kin, bonds.closeness(crumb), -np.inf)))
+            bonds.merge(into, int(crumb))
+            piece[piece == crumb] = into
+
+    kept, dense = np.unique(piece[keep], return_inverse=True)
+    piece[keep] = dense
+    bonds, home = bonds.take(kept), home[kept]
+    member = sparse.csr_array(
+        (items.areas[keep], (co.base[keep], piece[keep])), shape=(len(co.weights), len(kept))
+    )
+    agreement = np.asarray((member.T @ co.C).T, dtype=np.float32)
+    areas = bonds.area.copy()
+    within = _agglomerate(bonds, lambda i, others: home[others] == home[i])
+    among = _agglomerate(bonds, lambda i, others: bonds.touches[i, others] & (bonds.mean(i)[others] > 0))
+    steps = [*within, *among]
+    return Family(
+        segmentation,
+        piece,
+        np.array([step[:2] for step in steps], dtype=np.int32).reshape(-1, 2),
+        np.array([step[2] for step in steps], dtype=np.float64),
+        co.base,
+        agreement,
+        areas,
+        np.bincount(piece[keep], seen[keep], len(kept)).astype(np.float64),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Bonds:
+    """What holds pieces together, while they are merged."""
+
+    total: FloatArray  # (n, n) sum of co-association times both areas
+    touches: BoolArray  # (n, n)
+    area: FloatArray  # (n,)
+    is_there: BoolArray  # (n,)
+
+    def mean(self, i: int) -> FloatArray:
+        """(n,) mean co-association of a piece with each."""
+        return np.asarray(self.total[i] / np.maximum(self.area[i] * self.area, 1e-300))
+
+    def closeness(self, i: int) -> FloatArray:
+        """(n,) the same, neighbours before all others."""
+        return np.asarray(self.mean(i) + 2.0 * self.touches[i])
+
+    def merge(self, kept: int, gone: int) -> None:
+        self.total[kept] += self.total[gone]
+        self.total[:, kept] = self.total[kept]
+        self.touches[kept] |= self.touches[gone]
+        self.touches[:, kept] = self.touches[kept]
+        self.area[kept] += self.area[gone]
+        self.is_there[gone] = False
+
+    def take(self, kept: IntArray) -> _Bonds:
+        square = np.ix_(kept, kept)
+        return _Bonds(self.total[square], self.touches[square], self.area[kept], self.is_there[kept])
+
+
+def _bonds(items: Items, co: CoAssociation, piece: IntArray) -> _Bonds:
+    n, keep = int(piece.max(initial=-1)) + 1, piece >= 0
+    weights = (items.areas[keep], (co.base[keep], piece[keep]))
+    member = sparse.csr_array(weights, shape=(len(co.weights), n))
+    total = np.asarray(member.T @ np.asarray((member.T @ co.C).T))  # dense (n_pieces, n_pieces)
+    ends = piece[items.pairs]
+    ends = ends[(ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)]
+    touches = np.zeros((n, n), dtype=bool)
+    touches[ends[:, 0], ends[:, 1]] = touches[ends[:, 1], ends[:, 0]] = True
+    area = np.bincount(piece[keep], items.areas[keep], n).astype(np.float64)
+    return _Bonds(total, touches, area, np.ones(n, dtype=bool))
+
+
+def _agglomerate(
+    bonds: _Bonds, may_join: Callable[[int, IntArray], BoolArray]
+) -> list[tuple[int, int, float]]:
+    """Merge the closest pair that may be joined until there is none; (kept, gone, similarity) each.
+
+    Each row remembers its best partner, so a step costs a few rows, not the whole matrix.
+    """
+    n = len(bonds.area)
+    everything = np.arange(n)
+    partner, best = np.zeros(n, dtype=np.int64), np.full(n, -np.inf)
+
+    def look(i: int) -> None:
+        others = everything[bonds.is_there & (everything != i)]
+        others = others[may_join(i, others)]
+        values = bonds.closeness(i)[others]
+        best[i] = values.max(initial=-np.inf)
+        partner[i] = others[np.argmax(values)] if len(others) else -1
+
+    for k in np.flatnonzero(bonds.is_there):
+        look(int(k))
+    steps = []
+    while np.isfinite(best.max(initial=-np.inf)):
+        i = int(np.argmax(best))
+        j = int(partner[i])
+        is_first = (bonds.area[i], j) > (bonds.area[j], i)
+        kept, gone = (i, j) if is_first else (j, i)
+        steps.append((kept, gone, float(bonds.mean(i)[j])))
+        bonds.merge(kept, gone)
+        best[gone] = -np.inf
+        concerned = np.isin(partner, (kept, gone)) | bonds.touches[kept]
+        concerned[kept] = True
+        for k in np.flatnonzero(concerned & bonds.is_there):
+            look(int(k))
+    return steps
