@@ -2,6 +2,7 @@
 
 import json
 import struct
+import zipfile
 from xml.dom import minidom
 
 import numpy as np
@@ -330,6 +331,18 @@ def test_a_format_by_name_writes_any_suffix(tmp_path):
         "room.ply",
         "room.xml",
     ]
+
+
+def test_an_npz_compressed_otherwise_than_numpy_does_is_refused(tmp_path):
+    mesh, seg = room()
+    sw.export(seg, mesh, tmp_path / "a.npz")
+    with zipfile.ZipFile(tmp_path / "a.npz") as plain:
+        members = {name: plain.read(name) for name in plain.namelist()}
+    with zipfile.ZipFile(tmp_path / "b.npz", "w", zipfile.ZIP_BZIP2) as other:
+        for name, data in members.items():
+            other.writestr(name, data)
+    with pytest.raises(FormatError, match="compressed in a way that NumPy doesn't know"):
+        sw.import_labels(mesh, tmp_path / "b.npz")
 
 
 def test_forged_sizes_take_no_memory(tmp_path):

@@ -75,7 +75,7 @@ def read(path: Path, mesh: Mesh) -> Labels:
                 for level in LEVELS
                 if per_face and f"level_{level}" in members
             }
-    except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError) as error:
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
         raise FormatError(f"{path.name!r} is damaged or no NPZ ({error!s:.200})") from error
     return Labels(
         labels.astype(np.int64),
@@ -95,7 +95,10 @@ def _per_face(archive: zipfile.ZipFile, name: str, kinds: str, mesh: Mesh) -> np
 
 def _member(archive: zipfile.ZipFile, name: str, kinds: str, most: int) -> npt.NDArray[Any]:
     limit = most * (4 * MAX_NAME if kinds == "U" else 8) + 10_000
-    if archive.getinfo(name).file_size > limit:
+    info = archive.getinfo(name)
+    if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise FormatError(f"has an array {name!r:.60} that is compressed in a way that NumPy doesn't know")
+    if info.file_size > limit:
         raise FormatError(f"has an array {name!r:.60} larger than any of this mesh can be")
     with archive.open(name) as file:
         return read_array(file.read(limit), kinds)
