@@ -17,6 +17,8 @@ State, synced both ways (observe or set any of them)
     Dark lines between segments (between parts if parts are coloured).
 ``back_faces`` : bool
     Draw faces seen from behind; off lets one look into a room from outside.
+``segment_list`` : bool
+    Whether the list of segments is open beside the picture.
 ``theme`` : ``"auto"``, ``"light"``, ``"dark"``
     ``"auto"`` follows the host.
 ``mode`` : ``"navigate"``, ``"edit"``
@@ -44,7 +46,8 @@ Methods
 -------
 ``set_partition(levels, segments, names=None)``, ``set_segments(segments, names=None)``,
 ``clear_partition()``, ``set_values(values, ...)``, ``answer(message)``, ``fit()``, ``look_from_above()``,
-``reset()``; ``segment_colors`` is the (n_segments, 3) uint8 table in use, for legends and lists.
+``reset()``, ``to_html(path)``; ``segment_colors`` is the (n_segments, 3) uint8 table in use, for legends
+and lists.
 
 Messages from the browser, received with ``view.on_msg(lambda view, message, buffers: ...)``
 ---------------------------------------------------------------------------------------------
@@ -79,6 +82,7 @@ import traitlets
 
 from scenewidget.engine.atoms import Atoms, common_refinement
 from scenewidget.engine.mesh import IntArray, Mesh
+from scenewidget.widget.page import make_page
 from scenewidget.widget.palette import (
     adjacent_segments,
     are_distinct,
@@ -114,6 +118,7 @@ class SceneView(anywidget.AnyWidget):
     level = traitlets.Unicode().tag(sync=True)
     outlines = traitlets.Bool(True).tag(sync=True)
     back_faces = traitlets.Bool(False).tag(sync=True)
+    segment_list = traitlets.Bool(False).tag(sync=True)
     theme = traitlets.Enum(("auto", "light", "dark"), "auto").tag(sync=True)
     mode = traitlets.Enum(("navigate", "edit"), "navigate").tag(sync=True)
     editable = traitlets.Bool(False).tag(sync=True)
@@ -132,6 +137,7 @@ class SceneView(anywidget.AnyWidget):
     segment_names = traitlets.Dict(read_only=True).tag(sync=True)
     values_legend = traitlets.Dict(read_only=True).tag(sync=True)
 
+    _camera = traitlets.Dict().tag(sync=True)  # as it last stood still on any page
     _answers = traitlets.Dict().tag(sync=True)  # number of the last message dealt with, by client
 
     # arrays; _headers says dtype and shape of each
@@ -328,6 +334,41 @@ class SceneView(anywidget.AnyWidget):
         """Go back to the first view."""
         self.send({"kind": "look", "from": "start"})
 
+    def to_html(self, path: str | Path, *, title: str = "") -> Path:
+        """Save what is shown as one file that a browser opens without Python and without a network.
+
+        Turning, pointing, colours, levels, the section and the list work in it, editing doesn't. It takes
+        about 0.3 MB and then 7 to 14 bytes a face: the bedroom of a million faces fits in 12 MB.
+
+        Parameters
+        ----------
+        path : str or Path
+            Is overwritten; ``.html`` is the usual ending.
+        title : str
+            Of the page; what ``repr`` says by default.
+
+        Returns
+        -------
+        path : Path
+        """
+        arrays = {
+            name: np.frombuffer(getattr(self, f"_{name}"), header["dtype"]).reshape(header["shape"])
+            for name, header in self._headers.items()
+        }
+        state = {name: getattr(self, name) for name in self.traits(sync=True) if name in _own_names()}
+        state |= {"editable": False, "mode": "navigate", "busy": False, "status": "", "error": ""}
+        state["_camera"] = self._camera
+        page = make_page(
+            state,
+            arrays,
+            bundle=_bundled("scene_view.js"),
+            style=_bundled("scene_view.css"),
+            title=title or repr(self),
+        )
+        path = Path(path)
+        path.write_text(page, encoding="utf-8")
+        return path
+
     def _checked(self, name: str, labels: IntArray) -> IntArray:
         array = np.asarray(labels)
         if array.shape != (self.mesh.n_faces,):
@@ -429,9 +470,13 @@ def _colormap_table(name: str) -> npt.NDArray[np.uint8]:
     return np.round(255 * matplotlib.colormaps[name](np.linspace(0, 1, 256))[:, :3]).astype(np.uint8)
 
 
+def _own_names() -> list[str]:
+    return sorted(name for name in SceneView.class_own_traits() if not name.startswith("_"))
+
+
 def _option_names() -> list[str]:
-    own = (name for name, trait in SceneView.class_own_traits().items() if not trait.read_only)
-    return sorted(name for name in own if not name.startswith("_"))
+    traits = SceneView.class_own_traits()
+    return [name for name in _own_names() if not traits[name].read_only]
 
 
 @cache

@@ -84,7 +84,9 @@ export function createEditing({ model, view, panel, labelling }, { onEdit, onHid
     const isHidden = (/** @type {number} */ atom) =>
       isIsolating ? atomSegment[atom] !== segment : hidden?.[atom] === 1 || atomSegment[atom] === segment;
     const isDone = hidden !== null && atomSegment.every((_, atom) => isHidden(atom) === (hidden[atom] === 1));
-    view.hide(segment === null || (isIsolating && isDone) ? null : isHidden);
+    if (isDone && segment !== null && !isIsolating) {
+      view.hide((atom) => hidden[atom] === 1 && atomSegment[atom] !== segment); // it was hidden: show it
+    } else view.hide(segment === null || (isIsolating && isDone) ? null : isHidden);
     letGo();
     onHide();
   }

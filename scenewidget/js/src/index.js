@@ -6,6 +6,7 @@ import { Labelling } from "./labelling.js";
 import { createPanel } from "./panel.js";
 import { createPointing } from "./pointing.js";
 import { hiddenSegments, legendOf, listen, on, readMesh, summaryOf } from "./reading.js";
+import { segmentRows } from "./segments.js";
 import { watchTheme } from "./theme.js";
 import { Viewer } from "./viewer.js";
 import { readArray } from "./wire.js";
@@ -23,7 +24,7 @@ const GROUPS = {
   values: arrays(VALUES),
   state: [
     ...["color_by", "color_mix", "outlines", "back_faces", "height", "mode", "editable", "vocabulary"],
-    ...["busy", "progress", "status", "error", "undo_title", "redo_title", "values_legend"],
+    ...["segment_list", "busy", "progress", "status", "error", "undo_title", "redo_title", "values_legend"],
   ],
 };
 
@@ -34,12 +35,13 @@ const GROUPS = {
 function render({ model, el }) {
   const life = new AbortController();
   const { signal } = life;
+  const set = (/** @type {string} */ name, /** @type {unknown} */ value) => {
+    model.set(name, value);
+    model.save_changes();
+  };
   const panel = createPanel(el, {
     look: (from) => viewer?.lookFrom(from),
-    set: (name, value) => {
-      model.set(name, value);
-      model.save_changes();
-    },
+    set,
     cancel: () => model.send({ kind: "cancel" }),
     walk: (kind) => editing.walk(kind),
     act: (what) => {
@@ -48,6 +50,18 @@ function render({ model, el }) {
     },
     letGo: () => pointing.letGo(),
     showAll: () => editing.hide(null),
+    list: {
+      point: (segment) => pointing.list(segment),
+      choose: (segment) => pointing.chooseSegment(segment),
+      act: (what, segment) => {
+        const face = view.faceOf(segment);
+        if (face !== null) editing.act(what, face, null);
+      },
+      close: () => {
+        set("segment_list", false);
+        root.focus({ preventScroll: true });
+      },
+    },
   });
   const { root, canvas } = panel;
 
@@ -67,6 +81,7 @@ function render({ model, el }) {
         root.dataset.moving = "false";
         pointing.point();
         pointing.stretch();
+        keepCamera();
       },
     });
   } catch (error) {
@@ -77,6 +92,8 @@ function render({ model, el }) {
     return () => root.remove();
   }
   const view = viewer;
+  const camera = model.get("_camera");
+  if (camera?.target) view.first = camera;
   const labelling = new Labelling(model, view);
   const around = { model, view, panel, labelling, signal };
   const pointing = createPointing(around, (operation) => editing.edit(operation));
@@ -135,6 +152,7 @@ function render({ model, el }) {
       level: model.get("level"),
       outlines: model.get("outlines"),
       backFaces: model.get("back_faces"),
+      segmentList: model.get("segment_list"),
       mixing: model.get("color_mix"),
       busy: model.get("busy"),
       progress: model.get("progress"),
@@ -150,6 +168,16 @@ function render({ model, el }) {
       summary: summaryOf(view),
       legend: legendOf(model),
     });
+    if (panel.list.isShown() && view.partition) {
+      const { names, confidence } = labelling;
+      panel.list.update(segmentRows(view.partition, { names, confidence, hidden: view.hidden }));
+    }
+  }
+
+  /** Remember where one looks from, for pages that open or are saved later. */
+  function keepCamera() {
+    const isKept = JSON.stringify(view.camera) === JSON.stringify(model.get("_camera"));
+    if (view.camera !== view.start && !isKept) set("_camera", view.camera);
   }
 
   listen(model, GROUPS, take, signal);
@@ -225,4 +253,5 @@ function messageOf(error) {
   return error instanceof Error ? error.message : String(error);
 }
 
+export { savedModel } from "./standalone.js";
 export default { render };

@@ -6,7 +6,7 @@
  * @typedef {{ kind: "orbit" | "pan", dx: number, dy: number }
  *   | { kind: "zoom", factor: number }
  *   | { kind: "look", from: "here" | "above" | "start" }
- *   | { kind: "toggle", what: "outlines" | "back_faces" | "help" | "mode" }
+ *   | { kind: "toggle", what: "outlines" | "back_faces" | "segment_list" | "help" | "mode" }
  *   | { kind: "level", index: number }
  *   | { kind: "part", what: PartAction }
  *   | { kind: "undo" | "redo" | "escape" | "choose" | "show_all" }} Command
@@ -30,6 +30,7 @@ export const NAVIGATION_HELP = [
   ["Shift + H", "show all"],
   ["O", "outlines on or off"],
   ["B", "back faces on or off"],
+  ["L", "list of segments; in it ↑ ↓ go on, F H I N act on the row"],
   ["?", "this help"],
 ];
 
@@ -69,6 +70,7 @@ const COMMANDS = {
   r: { kind: "look", from: "start" },
   o: { kind: "toggle", what: "outlines" },
   b: { kind: "toggle", what: "back_faces" },
+  l: { kind: "toggle", what: "segment_list" },
   "?": { kind: "toggle", what: "help" },
   escape: { kind: "escape" },
 };

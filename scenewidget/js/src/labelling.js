@@ -74,13 +74,19 @@ export class Labelling {
     return this.ground !== null && this.shown !== null && canMerge(this.ground, this.shown.labels, edit);
   }
 
+  /** Of each segment; null while edits wait for Python, whose numbers are of its own segments. */
+  get confidence() {
+    const isSettled = this.pending.operations.length === 0;
+    return isSettled
+      ? /** @type {Float32Array | null} */ (readArray(this.model, "segment_confidence"))
+      : null;
+  }
+
   /** What the status line says of a face. @param {number} face */
   descriptionOf(face) {
     const partition = /** @type {import("./partition.js").Partition} */ (this.view.partition);
     const segment = this.view.segmentOf(face);
-    const confidence = /** @type {Float32Array | null} */ (readArray(this.model, "segment_confidence"));
-    const isSettled = this.pending.operations.length === 0; // Python's table is of its own segments
-    const context = { level: this.level, names: this.names, confidence: isSettled ? confidence : null };
+    const context = { level: this.level, names: this.names, confidence: this.confidence };
     const [red, green, blue] = partition.segmentColors.subarray(3 * segment, 3 * segment + 3);
     return {
       text: describeFace(partition, face, context),

@@ -4,6 +4,7 @@ import { element, iconButton, textButton } from "./elements.js";
 import { AIM_HELP, EDIT_HELP, MODE_HELP, NAVIGATION_HELP } from "./keys.js";
 import { createNaming } from "./naming.js";
 import { createRubber } from "./rubber.js";
+import { createSegmentList } from "./segmentlist.js";
 
 /**
  * @typedef {object} Actions
@@ -14,6 +15,7 @@ import { createRubber } from "./rubber.js";
  * @property {(what: import("./keys.js").PartAction) => void} act  on the picked part
  * @property {() => void} letGo  of the picked part
  * @property {() => void} showAll
+ * @property {import("./segmentlist.js").ListActions} list
  */
 
 /**
@@ -26,6 +28,7 @@ import { createRubber } from "./rubber.js";
  * @property {string} level
  * @property {boolean} outlines
  * @property {boolean} backFaces
+ * @property {boolean} segmentList  whether it is open
  * @property {number} mixing
  * @property {boolean} busy
  * @property {number} progress
@@ -56,6 +59,7 @@ export function createPanel(host, actions) {
   const start = iconButton("start", "Reset view", "R");
   const outlines = iconButton("outlines", "Outlines", "O");
   const backFaces = iconButton("backFaces", "Back faces", "B");
+  const segmentList = iconButton("list", "List of segments", "L");
   const help = element(
     "button",
     { class: "sw-button", type: "button", "aria-label": "Help", title: "Help (?)" },
@@ -95,7 +99,7 @@ export function createPanel(host, actions) {
     history,
     element("div", { class: "sw-group" }, [outlines, backFaces]),
     element("div", { class: "sw-group" }, [fit, above, start]),
-    element("div", { class: "sw-group" }, [help]),
+    element("div", { class: "sw-group" }, [segmentList, help]),
   ]);
 
   const swatch = element("span", { class: "sw-swatch", hidden: "" });
@@ -110,7 +114,7 @@ export function createPanel(host, actions) {
     { class: "sw-track", role: "progressbar", "aria-label": "Progress", hidden: "" },
     [bar],
   );
-  const stage = element("span", { class: "sw-stage" });
+  const stage = element("span", { class: "sw-stage-name" });
   const cancel = textButton("Cancel");
   const busy = element("div", { class: "sw-busy", role: "status", hidden: "" }, [stage, cancel]);
 
@@ -162,6 +166,7 @@ export function createPanel(host, actions) {
   );
   const naming = createNaming(() => root.focus({ preventScroll: true }));
   const rubber = createRubber();
+  const list = createSegmentList(actions.list);
   const aim = element("div", { class: "sw-aim", "aria-hidden": "true", hidden: "" });
 
   const root = element(
@@ -184,8 +189,11 @@ export function createPanel(host, actions) {
       "data-moving": "true",
     },
     [
-      ...[canvas, rubber.element, aim, tools, legend, status, pickedBar, track, busy, error],
-      ...[naming.element, helpCard],
+      element("div", { class: "sw-stage" }, [
+        ...[canvas, rubber.element, aim, tools, legend, status, pickedBar, track, busy, error],
+        ...[naming.element, helpCard],
+      ]),
+      list.element,
     ],
   );
   host.append(root);
@@ -203,6 +211,7 @@ export function createPanel(host, actions) {
   closeHelp.onclick = () => showHelp(false);
   outlines.onclick = () => actions.set("outlines", !isPressed(outlines));
   backFaces.onclick = () => actions.set("back_faces", !isPressed(backFaces));
+  segmentList.onclick = () => actions.set("segment_list", !isPressed(segmentList));
   colorBy.onchange = () => actions.set("color_by", colorBy.value);
   level.onchange = () => actions.set("level", level.value);
   look.onclick = () => actions.set("mode", "navigate");
@@ -239,6 +248,7 @@ export function createPanel(host, actions) {
     rubber,
     naming,
     aim,
+    list,
 
     /** Say something for a few seconds, beside whatever else is shown. @param {string} text */
     remark(text) {
@@ -276,6 +286,9 @@ export function createPanel(host, actions) {
       mixing.value = String(state.mixing);
       outlines.setAttribute("aria-pressed", String(state.outlines));
       backFaces.setAttribute("aria-pressed", String(state.backFaces));
+      segmentList.hidden = !state.hasPartition;
+      segmentList.setAttribute("aria-pressed", String(state.segmentList));
+      list.show(state.segmentList && state.hasPartition);
 
       track.hidden = busy.hidden = !state.busy;
       track.classList.toggle("sw-swinging", state.progress < 0);

@@ -1,5 +1,6 @@
 /** The pointer on the picture: what it is on, what is picked, and what its movements do. */
 
+import { FINAL } from "./editor.js";
 import { IDLE, step } from "./gestures.js";
 import { NONE } from "./partition.js";
 
@@ -26,6 +27,8 @@ export function createPointing({ model, view, panel, labelling, signal }, edit) 
   let gesture = IDLE;
   /** @type {number | null} */
   let hoveredFace = null;
+  /** Segment that the list points at. @type {number | null} */
+  let listed = null;
   /** Whether keys were used last: without a pointer they aim at the middle. */
   let isKeyboard = false;
   /** Where on the surface the last press was, and where the picked part was taken. */
@@ -46,7 +49,10 @@ export function createPointing({ model, view, panel, labelling, signal }, edit) 
     const from = gesture.phase === "link" ? gesture.from : gesture.picked;
     const part = face === null ? NONE : view.partOf(face);
     const target = from && face !== null && labelling.isTarget(from.face, face) ? view.segmentOf(face) : NONE;
-    view.setLook({ hovered: from ? NONE : part, picked: from ? from.part : NONE, target });
+    const lit = face === null && listed !== null ? listed : target;
+    view.setLook({ hovered: from ? NONE : part, picked: from ? from.part : NONE, target: lit });
+    panel.list.mark(face === null ? listed : view.segmentOf(face));
+    root.dataset.listed = said(listed ?? NONE);
     root.dataset.hovered = said(part);
     root.dataset.picked = said(from ? from.part : NONE);
     root.dataset.target = said(target);
@@ -98,6 +104,25 @@ export function createPointing({ model, view, panel, labelling, signal }, edit) 
     const place = aimed();
     points.press = place && view.pointAt(place);
     if (place) feed({ type: "choose", id: -1, ...place, hit: view.hitAt(place) });
+  }
+
+  /** The list points at a segment; null = no longer. @param {number | null} segment */
+  function list(segment) {
+    if (segment === listed) return;
+    listed = segment;
+    point(true);
+  }
+
+  /** What a click on its row does: pick the segment whole where that can be, else frame it. @param {number} segment */
+  function chooseSegment(segment) {
+    const face = view.faceOf(segment);
+    if (face === null) return;
+    if (model.get("mode") !== "edit" || labelling.level !== FINAL || segment === NONE) {
+      view.lookAt(face);
+      return;
+    }
+    points.press = null;
+    feed({ type: "choose", id: -1, x: 0, y: 0, hit: { face, part: view.partOf(face), segment } });
   }
 
   /** Whether keys act on the middle of the picture. @param {boolean} isShown */
@@ -188,6 +213,8 @@ export function createPointing({ model, view, panel, labelling, signal }, edit) 
     renew,
     letGo,
     choose,
+    list,
+    chooseSegment,
     aimed,
     showAim,
 

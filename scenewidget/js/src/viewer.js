@@ -67,6 +67,8 @@ export class Viewer {
     this.camera = { target: [0, 0, 0], yaw: -1, pitch: 0.7, distance: 1 };
     /** @type {Camera} */
     this.start = this.camera;
+    /** Where to look from first, instead of where everything is seen best. @type {Camera | null} */
+    this.first = null;
     /** @type {MeshArrays | null} */
     this.mesh = null;
     /** @type {Partition | null} */
@@ -170,7 +172,7 @@ export class Viewer {
     if (this.mesh && this.sample && !this.isPlaced) {
       this.isPlaced = true;
       this.start = this.#fitted({ ...this.camera, ...firstDirection(this.sample.normals) });
-      this.camera = this.start;
+      this.camera = this.first ?? this.start;
     }
     this.#draw();
   }
@@ -253,6 +255,17 @@ export class Viewer {
   /** @param {number} face */
   partOf(face) {
     return this.partition ? this.partition.atomPart[this.partition.faceAtom[face]] : NONE;
+  }
+
+  /** A face of a segment, in its largest atom; null if it has none. @param {number} segment */
+  faceOf(segment) {
+    if (!this.partition) return null;
+    const { faceAtom, atomSegment, atomFaces } = this.partition;
+    let largest = -1;
+    for (let atom = 0; atom < atomSegment.length; atom++) {
+      if (atomSegment[atom] === segment && !(atomFaces[atom] <= atomFaces[largest])) largest = atom;
+    }
+    return largest < 0 ? null : faceAtom.indexOf(largest);
   }
 
   /** @param {number} face */

@@ -1,0 +1,90 @@
+"""A view saved as one file: it works from disk, without Python and without a network."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import View
+from test_view import LABELLED, colors
+
+import scenewidget as sw
+
+TITLE = "</title><script>window.harm = 1</script>"
+NAMES = {0: "</script><script>window.harm = 2</script>", 1: "ceiling & <b>lamp</b>"}
+
+
+@pytest.fixture
+def saved(browser, tmp_path):
+    """The labelled room as a page, opened from disk with the network cut off."""
+    scope = {}
+    exec(LABELLED, scope)
+    view = scope["view"]
+    view.set_segments(scope["surfaces"], NAMES, [0.5, 0.75, 1, 0.125, 0.25, 0.625])
+    view.editable, view.mode, view.busy, view.error = True, "edit", True, "wrong"
+    path = view.to_html(tmp_path / "room.html", title=TITLE)
+    assert path.stat().st_size < 1_000_000
+    context = browser.new_context(offline=True)
+    page = context.new_page()
+    page.set_viewport_size({"width": 1000, "height": 640})
+    errors, requests = [], []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    page.on("request", lambda request: requests.append(request.url))
+    page.goto(path.as_uri())
+    root = page.locator(".scenewidget")
+    root.wait_for()
+    shown = View(page, root)
+    shown.wait("ready", "true", timeout=30)
+    shown.settle()
+    yield shown
+    assert errors == []
+    assert [url for url in requests if not url.startswith(("file:", "blob:", "data:"))] == []
+    context.close()
+
+
+def test_it_shows_what_was_saved_and_names_do_no_harm(saved):
+    assert saved.state("segments") == "6"
+    assert colors(saved.pixels()) >= 3
+    assert (saved.state("busy"), saved.state("mode")) == ("false", "navigate")
+    assert saved.page.evaluate("() => window.harm") is None
+    assert saved.page.title() == TITLE
+    place = next(place for part, place in saved.parts().items() if part == "0")
+    saved.point(*place)
+    saved.wait("hovered", "0")
+    assert f"Segment 0 ({NAMES[0]})" in saved.root.inner_text()
+    assert "confidence 0.50" in saved.root.inner_text()
+
+
+def test_turning_levels_colours_and_the_list_work(saved):
+    before = saved.pixels()
+    width, height = saved.size()
+    saved.drag((width / 2, height / 2), (width / 2 + 200, height / 2))
+    saved.settle()
+    assert (np.abs(saved.pixels().astype(int) - before) > 20).mean() > 0.05
+    saved.root.get_by_label("Level").select_option("halves")
+    saved.root.get_by_label("Colour by").select_option("parts")
+    assert len([part for part in saved.parts() if part]) > 4
+    saved.root.focus()
+    saved.page.keyboard.press("l")
+    table = saved.root.get_by_role("table", name="Segments")
+    assert table.locator("tbody tr").count() == 6
+    table.locator("tr[data-segment='1']").get_by_role("button", name="Show").click()
+    saved.wait("hidden", "1")
+
+
+def test_it_does_not_offer_to_edit(saved):
+    for name in ("Edit", "Undo", "Redo"):
+        assert not saved.root.get_by_role("button", name=name, exact=True).is_visible()
+    saved.root.focus()
+    saved.page.keyboard.press("e")
+    assert saved.state("mode") == "navigate"
+
+
+def test_a_scan_takes_few_bytes_a_face(tmp_path):
+    mesh, truth = sw.datasets.load_room()
+    from scenewidget.widget.scene_view import SceneView
+
+    view = SceneView(mesh)
+    view.set_partition({}, truth.labels)
+    size = view.to_html(str(tmp_path / "room.html")).stat().st_size
+    assert size < 0.4e6 + 16 * mesh.n_faces
