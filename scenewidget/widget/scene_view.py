@@ -163,8 +163,10 @@ class SceneView(anywidget.AnyWidget):
             )
         self.mesh = mesh
         self._atoms: Atoms | None = None
-        self._levels: dict[str, IntArray] = {}
-        self._segments: IntArray | None = None
+        self._atom_faces: IntArray = np.zeros(0, np.int64)
+        self._neighbours: IntArray = np.zeros((0, 2), np.int64)  # atoms that touch
+        self._parts: dict[str, IntArray] = {}  # of each atom, by level
+        self._table: IntArray = np.zeros(0, np.int64)  # segment of each atom
         self._color_rows: IntArray = np.zeros(0, np.int64)
         self._spare_rows: IntArray = np.zeros(0, np.int64)
         self._row_of_id: dict[int, int] = {}
@@ -180,7 +182,7 @@ class SceneView(anywidget.AnyWidget):
         )
 
     def __repr__(self) -> str:
-        segments = f", {self.n_segments} segments" if self._segments is not None else ""
+        segments = f", {self.n_segments} segments" if self._atoms is not None else ""
         return f"SceneView({self.mesh.n_faces} faces{segments})"
 
     def set_partition(
@@ -210,31 +212,11 @@ class SceneView(anywidget.AnyWidget):
             What stays of a segment when an edit numbers them anew: over the calls of `set_segments` that
             follow, the same id keeps its colour.
         """
-        self._row_of_id = {}
-        self._show_partition(levels, segments, names, confidence, ids)
-
-    def _show_partition(
-        self,
-        levels: Mapping[str, IntArray],
-        segments: IntArray,
-        names: Mapping[int, str] | None,
-        confidence: npt.ArrayLike | None,
-        ids: IntArray | None,
-    ) -> None:
         checked = {name: self._checked(f"levels[{name!r}]", labels) for name, labels in levels.items()}
         segments = self._checked("segments", segments)
         atoms = common_refinement([*checked.values(), segments], self.mesh.n_faces)
-        self._levels, self._atoms = checked, atoms
-        parts = np.array([labels[atoms.first_face] for labels in checked.values()], np.int64)
-        with self.hold_sync():
-            self.set_trait("levels", list(checked))
-            self._put("face_atom", atoms.face_atom)
-            self._put("atom_part", _table(parts.reshape(len(checked), len(atoms.first_face))))
-            if self.level not in checked:
-                self.level = "final" if "final" in checked else next(reversed(checked), "")
-            self._show_segments(segments, segments[atoms.first_face], names, confidence, ids)
-            if self.color_by in ("scan", "shaded") and self.revision == 1:
-                self.color_by = "segments"
+        parts = {name: labels[atoms.first_face] for name, labels in checked.items()}
+        self.set_atoms(atoms, parts, segments[atoms.first_face], names, confidence, ids)
 
     def set_segments(
         self,
@@ -248,12 +230,58 @@ class SceneView(anywidget.AnyWidget):
         It can't if a segment cuts through an atom: then everything is sent as by `set_partition`.
         """
         segments = self._checked("segments", segments)
-        table = None if self._atoms is None else self._atoms.table(segments)
-        if table is None:
-            self._show_partition(self._levels, segments, names, confidence, ids)
-            return
+        atoms, parts = self._atoms, self._parts
+        table = None if atoms is None else atoms.table(segments)
+        if atoms is None or table is None:
+            levels = {name: self._per_face(table) for name, table in parts.items()}
+            atoms = common_refinement([*levels.values(), segments], self.mesh.n_faces)
+            parts = {name: labels[atoms.first_face] for name, labels in levels.items()}
+            table = segments[atoms.first_face]
+        self.set_atoms(atoms, parts, table, names, confidence, ids, keeps_ids=True)
+
+    def set_atoms(
+        self,
+        atoms: Atoms,
+        parts: Mapping[str, IntArray],
+        segments: IntArray,
+        names: Mapping[int, str] | None = None,
+        confidence: npt.ArrayLike | None = None,
+        ids: IntArray | None = None,
+        *,
+        keeps_ids: bool = False,
+    ) -> None:
+        """As `set_partition`, but with labels per atom; costs a few ms while the atoms stay the same object.
+
+        Parameters
+        ----------
+        atoms : Atoms
+        parts : mapping of name to (n_atoms,) int
+            Part of each atom at each level.
+        segments : (n_atoms,) int
+        names, confidence, ids
+            As in `set_partition`.
+        keeps_ids : bool
+            Whether ids mean what they meant in the last call, so that the same id keeps its colour.
+        """
+        if not keeps_ids:
+            self._row_of_id = {}
         with self.hold_sync():
-            self._show_segments(segments, table, names, confidence, ids)
+            before = None if self._atoms is None else (self._atoms, self._table)
+            if atoms is not self._atoms or list(parts) != self.levels:
+                self._atoms, self._parts = atoms, dict(parts)
+                self._neighbours = adjacent_segments(
+                    self.mesh.faces, atoms.face_atom.astype(np.int64), self.mesh.n_vertices
+                )
+                self._atom_faces = np.bincount(atoms.face_atom, minlength=atoms.n)
+                self.set_trait("levels", list(parts))
+                self._put("face_atom", atoms.face_atom)
+                rows = [_unlabelled_as_most(table) for table in parts.values()]
+                self._put("atom_part", np.array(rows, np.uint32).reshape(len(rows), atoms.n))
+                if self.level not in parts:
+                    self.level = "final" if "final" in parts else next(reversed(list(parts)), "")
+            self._show_segments(np.asarray(segments), before, names, confidence, ids)
+            if self.color_by in ("scan", "shaded") and self.revision == 1:
+                self.color_by = "segments"
 
     def answer(self, message: Mapping[str, Any]) -> None:
         """Tell the browser that an edit's message has been dealt with, whether it changed anything or not.
@@ -269,7 +297,7 @@ class SceneView(anywidget.AnyWidget):
 
     def clear_partition(self) -> None:
         """Take segments and levels away; the scan itself stays."""
-        self._atoms, self._levels, self._segments = None, {}, None
+        self._atoms, self._parts = None, {}
         with self.hold_sync():
             for name in ("face_atom", "atom_part", "atom_segment", "segment_colors", "segment_confidence"):
                 self._put(name, np.zeros(0, np.uint32))
@@ -387,38 +415,51 @@ class SceneView(anywidget.AnyWidget):
 
     def _show_segments(
         self,
-        segments: IntArray,
         table: IntArray,
+        before: tuple[Atoms, IntArray] | None,
         names: Mapping[int, str] | None,
         confidence: npt.ArrayLike | None,
         ids: IntArray | None,
     ) -> None:
-        n_rows = int(segments.max()) + 1
+        n_rows = int(table.max(initial=-1)) + 1
         sure = np.zeros(0) if confidence is None else np.asarray(confidence)
         if confidence is not None and sure.shape != (n_rows,):
             raise ValueError(f"confidence must have shape ({n_rows},), one a segment, got {sure.shape}")
         if ids is not None and len(ids) != n_rows:
             raise ValueError(f"ids must have shape ({n_rows},), one a segment, got ({len(ids)},)")
-        sizes = np.bincount(segments[segments >= 0], minlength=n_rows)
-        neighbours = adjacent_segments(self.mesh.faces, segments, self.mesh.n_vertices)
+        is_labelled = table >= 0
+        sizes = np.bincount(table[is_labelled], self._atom_faces[is_labelled], n_rows)
+        neighbours = self._segment_pairs(table, n_rows)
         known = np.full(n_rows, -1)
         if ids is not None and self._row_of_id:
             known = self._rows_of_ids(ids, neighbours)
-        elif self._segments is not None:
-            known = inherited_colors(segments, n_rows, self._segments, self._color_rows)
+        elif before is not None:
+            atoms, old = before
+            known = inherited_colors(self._per_face(table), n_rows, old[atoms.face_atom], self._color_rows)
         self._color_rows = choose_colors(n_rows, neighbours, sizes / self.mesh.n_faces, known)
         if ids is not None:
             self._row_of_id.update(zip(ids.tolist(), self._color_rows.tolist(), strict=True))
         spare = np.concatenate([self._color_rows, self._spare_rows, np.full(N_SPARE, -1)])[: n_rows + N_SPARE]
         shares = np.concatenate([sizes / self.mesh.n_faces, np.zeros(N_SPARE)])
         self._spare_rows = choose_colors(n_rows + N_SPARE, neighbours, shares, spare)[n_rows:]
-        self._segments = segments
-        self._put("atom_segment", _table(table))
+        self._table = table
+        self._put("atom_segment", _unlabelled_as_most(table))
         self._put("segment_colors", palette()[np.concatenate([self._color_rows, self._spare_rows])])
         self._put("segment_confidence", sure.astype(np.float32))
         self.set_trait("n_segments", int(np.count_nonzero(sizes)))
         self.set_trait("segment_names", {str(segment): str(name) for segment, name in (names or {}).items()})
         self.set_trait("revision", self.revision + 1)
+
+    def _segment_pairs(self, table: IntArray, n: int) -> IntArray:
+        """(n_pairs, 2) segments that touch, out of the atoms that do."""
+        one, other = table[self._neighbours[:, 0]], table[self._neighbours[:, 1]]
+        is_border = (one != other) & (one >= 0) & (other >= 0)
+        codes = np.unique(one[is_border].astype(np.int64) * n + other[is_border])
+        return np.stack(np.divmod(codes, max(n, 1)), axis=1)
+
+    def _per_face(self, table: IntArray) -> IntArray:
+        """(n_faces,) labels out of labels per atom."""
+        return table[self._atoms.face_atom] if self._atoms is not None else np.zeros(0, np.int64)
 
     def _rows_of_ids(self, ids: IntArray, neighbours: IntArray) -> IntArray:
         """Colours that segments have already; new ones get those that the browser has shown them in."""
@@ -452,7 +493,7 @@ def _geometry(mesh: Mesh) -> dict[str, npt.NDArray[Any]]:
     return arrays
 
 
-def _table(labels: IntArray) -> npt.NDArray[np.uint32]:
+def _unlabelled_as_most(labels: IntArray) -> npt.NDArray[np.uint32]:
     return labels.astype(np.uint32)  # -1 becomes UNLABELLED
 
 

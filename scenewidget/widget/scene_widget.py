@@ -12,16 +12,15 @@ from collections.abc import Callable
 from typing import Any
 
 import ipywidgets as widgets
-import numpy as np
 import traitlets
 
-from scenewidget.editing.edits import EditError
-from scenewidget.editing.session import Event, Session
-from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+from scenewidget.editing.session import Session
+from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
-from scenewidget.engine.segmentation import LEVELS, Segmentation
+from scenewidget.engine.segmentation import Segmentation
 from scenewidget.widget.controls import ParamsControls
+from scenewidget.widget.editor import Editor
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.worker import Worker
 
@@ -41,6 +40,14 @@ STAGE_NAMES = {
     "consensus": "Finding the consensus",
     "segmentation": "Labeling every face",
 }
+
+
+class _LiveSegmentation(traitlets.Instance[Segmentation | None]):
+    """A trait whose labels per face are made when somebody asks: an edit need not wait for them."""
+
+    def get(self, obj: Any, cls: Any = None) -> Any:
+        obj._catch_up()
+        return super().get(obj, cls)
 
 
 class SceneWidget(widgets.VBox):
@@ -79,7 +86,7 @@ class SceneWidget(widgets.VBox):
     """
 
     params = traitlets.Instance(Params)
-    segmentation = traitlets.Instance(Segmentation, allow_none=True)
+    segmentation = _LiveSegmentation(Segmentation, allow_none=True)
     busy = traitlets.Bool(False, read_only=True)
 
     def __init__(self, mesh: Mesh | Any, params: Params | None = None, *, height: int = 560) -> None:
@@ -89,12 +96,9 @@ class SceneWidget(widgets.VBox):
         self.pipeline = Pipeline(mesh)
         self.view = SceneView(self.pipeline.mesh, height=height, editable=True)
         self.controls = ParamsControls(params, self._set_params, self._compute)
-        self.session: Session | None = None
         self._lock = threading.RLock()
-        self._message = threading.local()  # that this thread is dealing with
-        self._shown_automatic: Segmentation | None = None
-        self._shown_revision = -1  # of the session
-        self._first_revision = 0  # of the view, since the present automatic segmentation is shown
+        self._is_observed = False
+        self._editor = Editor(self.view, self._lock, self._take_edit)
         self._error: BaseException | None = None
         self._shown_params: Params | None = None
         self._started = 0.0
@@ -112,6 +116,19 @@ class SceneWidget(widgets.VBox):
     def __repr__(self) -> str:
         segments = "" if self.segmentation is None else f", {self.segmentation.n_segments} segments"
         return f"SceneWidget({self.mesh.n_faces} faces{segments})"
+
+    @property
+    def session(self) -> Session | None:
+        """The corrections; None before the first result."""
+        editor = vars(self).get("_editor")
+        return None if editor is None else editor.session
+
+    def observe(self, handler: Any, names: Any = traitlets.All, type: Any = "change") -> None:  # noqa: A002  # traitlets' name
+        """As of any widget. Whoever observes ``segmentation`` is told of every edit and result."""
+        super().observe(handler, names, type)
+        wanted = [names] if isinstance(names, str) or names is traitlets.All else names
+        if traitlets.All in wanted or "segmentation" in wanted:
+            self._is_observed = True
 
     @property
     def mesh(self) -> Mesh:
@@ -144,9 +161,10 @@ class SceneWidget(widgets.VBox):
         with self._lock:
             if self._error is not None:
                 raise self._error
-            if self.segmentation is None:
-                raise RuntimeError("cancelled before there was a result; set params to compute again")
-            return self.segmentation
+        segmentation: Segmentation | None = self.segmentation
+        if segmentation is None:
+            raise RuntimeError("cancelled before there was a result; set params to compute again")
+        return segmentation
 
     def cancel(self) -> None:
         """Stop the computation; the last good result stays."""
@@ -186,76 +204,19 @@ class SceneWidget(widgets.VBox):
         kind = message.get("kind") if isinstance(message, dict) else None
         if kind == "cancel":
             self.cancel()
-        elif kind in ("merge", "split", "relabel", "undo", "redo"):
-            self._message.now = message
-            try:
-                if self.session is not None:
-                    self._edit(self.session, kind, message)
-            except EditError as error:
-                self._remark(str(error))
-            except Exception as error:
-                self.view.error = f"{type(error).__name__}: {error}"
-                raise
-            finally:
-                with self._lock:
-                    self.view.answer(message)
-                del self._message.now
-
-    def _edit(self, session: Session, kind: str, message: dict[str, Any]) -> None:
-        if kind == "undo":
-            session.undo()
-        elif kind == "redo":
-            session.redo()
-        elif message["revision"] < self._first_revision:
-            # it names faces of parts that are no longer there
-            self._remark("Another segmentation had just come: nothing was edited")
-        elif kind == "merge":
-            session.merge(message["face"], message["onto_face"], message["level"])
-        elif kind == "split":
-            session.split(message["face"], message["level"])
         else:
-            session.relabel(message["face"], message["name"])
+            self._editor.handle(message)
 
-    def _remark(self, text: str) -> None:
-        """Say something in the status line, unless a computation speaks there."""
-        with self._lock:
-            if not self.view.busy:
-                self.view.status = text
+    def _take_edit(self) -> None:
+        """The session has changed: whoever observes the segmentation is told, others get it when they ask."""
+        if self._is_observed:
+            self._catch_up()
 
-    def _show_edit(self, event: Event) -> None:
-        """Show what the session holds now; called after each edit, undo and redo, from any thread.
-
-        Asks the session before it takes the lock: a script that walks the history holds the session's own
-        lock while it tells us of each step.
-        """
+    def _catch_up(self) -> None:
+        """Give ``segmentation`` the present labels per face; not to be called with the lock held."""
         session = self.session
-        if session is None:
-            return
-        revision = session.revision  # what is read below is this state or a newer one
-        automatic, segmentation = session.automatic, session.segmentation
-        ids = _segment_ids(session, segmentation)
-        history, undone = session.history, session.undone
-        names = {i: name for i, name in enumerate(segmentation.names) if name}
-        confidence = _mean_confidence(segmentation)
-        with self._lock, self.view.hold_sync():
-            if revision >= self._shown_revision:
-                self._shown_revision = revision
-                if automatic is not self._shown_automatic:
-                    self._shown_automatic = automatic
-                    levels = {str(level): automatic.level(level) for level in LEVELS}
-                    self.view.set_partition(levels, segmentation.labels, names, confidence, ids)
-                    self._first_revision = self.view.revision
-                elif segmentation is not self.segmentation:
-                    self.view.set_segments(segmentation.labels, names, confidence, ids)
-                self.view.undo_title = history[-1].title if history else ""
-                self.view.redo_title = undone[0].title if undone else ""
-                self.view.vocabulary = list(session.vocabulary)
-                self.segmentation = segmentation
-            if event.step is not None:
-                done = {"undo": "Undone: ", "redo": "Redone: "}.get(event.kind)
-                self._remark(f"{done}{event.step.title}" if done else "")
-            if message := getattr(self._message, "now", None):
-                self.view.answer(message)
+        if session is not None:
+            self.set_trait("segmentation", session.segmentation)
 
     def _show_progress(self, stage: str, fraction: float) -> None:
         with self._lock, self.view.hold_sync():
@@ -264,13 +225,8 @@ class SceneWidget(widgets.VBox):
 
     def _show_result(self, result: tuple[Params, Segmentation]) -> None:
         params, segmentation = result
-        lost = 0
-        if self.session is None:
-            self.session = Session(self.mesh, segmentation, params=params)
-            self.session.observe(self._show_edit)
-            self._show_edit(Event("segmentation", None, 0))
-        else:
-            lost = len(self.session.resegment(segmentation, params))
+        lost = self._editor.take(segmentation, params)
+        self._catch_up()
         with self._lock:
             self._shown_params = params
             seconds = time.perf_counter() - self._started
@@ -290,30 +246,9 @@ class SceneWidget(widgets.VBox):
             self._end("Cancelled" + self._what_stays())
 
     def _what_stays(self) -> str:
-        return "" if self.segmentation is None else "; the picture shows the result before"
+        return "" if self.session is None else "; the picture shows the result before"
 
     def _end(self, summary: str) -> None:
         self.controls.offer_rerun(self._shown_params != self.params)
         self.view.status, self.view.progress, self.view.busy = summary, 1.0, False
         self.set_trait("busy", False)
-
-
-def _segment_ids(session: Session, segmentation: Segmentation) -> IntArray | None:
-    """(n_segments,) what stays of each segment over edits; None if another edit came in between."""
-    atoms, segments = session.atoms, session.atom_segments
-    if len(segments) != atoms.n:
-        return None
-    labels = segmentation.labels[atoms.first_face]
-    ids: IntArray = np.full(int(labels.max(initial=-1)) + 1, -1)
-    ids[labels[labels >= 0]] = segments[labels >= 0]
-    is_whole = np.array_equal(ids[labels[labels >= 0]], segments[labels >= 0]) and (ids >= 0).all()
-    return ids if is_whole and len(np.unique(ids)) == len(ids) else None
-
-
-def _mean_confidence(segmentation: Segmentation) -> FloatArray:
-    """(n_segments,) mean over the area, as `Segmentation.to_frame` tells it."""
-    labels, areas = segmentation.labels, segmentation.mesh.face_areas
-    keep, n = labels >= 0, int(labels.max(initial=-1)) + 1
-    area = np.bincount(labels[keep], areas[keep], n)
-    weighted = np.bincount(labels[keep], (areas * segmentation.confidence)[keep], n)
-    return np.divide(weighted, area, out=np.zeros(n), where=area > 0)

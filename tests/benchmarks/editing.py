@@ -1,4 +1,4 @@
-"""What an edit, an undo, a cut, a save and a reopening cost on a large scan, and how large the files are.
+"""What edits (alone and in the widget), undo, cuts, saving and reopening cost on a large scan; file sizes.
 
 python tests/benchmarks/editing.py scan.ply
 python tests/benchmarks/editing.py --faces 1500000
@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
@@ -22,6 +23,8 @@ import scenewidget as sw
 from scenewidget.editing.edits import EditError
 from scenewidget.editing.session import Session
 from scenewidget.engine.mesh import Mesh
+from scenewidget.widget.editor import Editor
+from scenewidget.widget.scene_view import SceneView
 
 
 def bumpy_room(n_faces: int) -> Mesh:
@@ -100,6 +103,31 @@ def main() -> None:
                 line += f"   import {timed(sw.import_labels, mesh, folder / file)[0]:5.2f} s"
             print(line, flush=True)
         session.close()
+    gestures, answers = by_gestures(mesh, seg, arguments.edits // 4)
+    print(f"edit in the widget   {milliseconds(gestures)}   from the message to its answer, CPU")
+    print(f"labels after it      {milliseconds(answers)}   only when somebody asks")
+
+
+def by_gestures(mesh: Mesh, seg: sw.Segmentation, n: int) -> tuple[list[float], list[float]]:
+    """Processor seconds of edits as the picture sends them, and of asking for the labels per face then."""
+    view = SceneView(mesh, editable=True)
+    editor = Editor(view, threading.RLock(), lambda: None)
+    editor.take(seg, sw.Params())
+    rng = np.random.default_rng(1)
+    spent, asked = [], []
+    for k in range(n):
+        a, b = (int(face) for face in rng.integers(0, mesh.n_faces, 2))
+        edit = {"kind": "merge", "face": a, "onto_face": b} if k % 3 else {"kind": "split", "face": a}
+        message = {**edit, "level": ("dihedral", "base", "final")[k % 3], "revision": view.revision}
+        start, before = time.process_time(), len(editor.session.edits)
+        editor.handle({**message, "client": "benchmark", "number": k})
+        if len(editor.session.edits) > before:
+            spent.append(time.process_time() - start)
+        if k % 20 == 0:
+            start = time.process_time()
+            assert editor.session.segmentation.labels.shape == (mesh.n_faces,)
+            asked.append(time.process_time() - start)
+    return spent, asked
 
 
 if __name__ == "__main__":

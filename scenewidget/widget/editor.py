@@ -1,0 +1,134 @@
+"""Edits between the picture and a session: what a person did goes in, what has become of it is shown.
+
+The session knows segments as tables over atoms, and so does the picture: an edit moves a few entries and
+costs a few ms, however many faces there are.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from scenewidget.editing.edits import EditError
+from scenewidget.editing.session import Event, Session
+from scenewidget.engine.params import Params
+from scenewidget.engine.segmentation import Segmentation
+from scenewidget.widget.scene_view import SceneView
+
+__all__ = ["Editor"]
+
+EDITS = ("merge", "split", "relabel")
+KINDS = (*EDITS, "undo", "redo")
+
+
+class Editor:
+    """What connects a `SceneView` with a `Session`.
+
+    Parameters
+    ----------
+    view : SceneView
+    lock : RLock
+        Held while the view changes. Never ask the session while holding it: a script that walks the
+        history holds the session's own lock while the steps are shown.
+    on_change : callable ()
+        Called after every change, once the picture has been told.
+
+    Attributes
+    ----------
+    session : Session or None
+        None before the first segmentation.
+    """
+
+    def __init__(self, view: SceneView, lock: threading.RLock, on_change: Callable[[], None]) -> None:
+        self.session: Session | None = None
+        self._view = view
+        self._lock = lock
+        self._on_change = on_change
+        self._message = threading.local()  # that this thread is dealing with
+        self._shown_automatic: Segmentation | None = None
+        self._shown_revision = -1  # of the session
+        self._first_revision = 0  # of the view, since the present automatic segmentation is shown
+
+    def take(self, segmentation: Segmentation, params: Params) -> int:
+        """Put another automatic segmentation underneath; how many edits don't apply to it."""
+        if self.session is not None:
+            return len(self.session.resegment(segmentation, params))
+        self.session = Session(self._view.mesh, segmentation, params=params)
+        self.session.observe(self._show)
+        self._show(Event("segmentation", None, 0))
+        return 0
+
+    def handle(self, message: Any) -> None:
+        """Do what a message of the picture asks for; what concerns no edit is passed over."""
+        kind = message.get("kind") if isinstance(message, dict) else None
+        if kind not in KINDS:
+            return
+        self._message.now = message
+        try:
+            if self.session is not None:
+                self._edit(self.session, kind, message)
+        except EditError as error:
+            self.remark(str(error))
+        except Exception as error:
+            self._view.error = f"{type(error).__name__}: {error}"
+            raise
+        finally:
+            with self._lock:
+                self._view.answer(message)
+            del self._message.now
+
+    def remark(self, text: str) -> None:
+        """Say something in the status line, unless a computation speaks there."""
+        with self._lock:
+            if not self._view.busy:
+                self._view.status = text
+
+    def _edit(self, session: Session, kind: str, message: dict[str, Any]) -> None:
+        if kind == "undo":
+            session.undo()
+        elif kind == "redo":
+            session.redo()
+        elif message["revision"] < self._first_revision:
+            # it names faces of parts that are no longer there
+            self.remark("Another segmentation had just come: nothing was edited")
+        elif kind == "merge":
+            session.merge(message["face"], message["onto_face"], message["level"])
+        elif kind == "split":
+            session.split(message["face"], message["level"])
+        else:
+            session.relabel(message["face"], message["name"])
+
+    def _show(self, event: Event) -> None:
+        """Show what the session holds now; called after each edit, undo and redo, from any thread."""
+        session = self.session
+        if session is None:
+            return
+        state = session.snapshot()  # this event's or a newer one
+        history, undone = session.history, session.undone
+        names = {i: name for i, name in enumerate(state.names) if name}
+        view = self._view
+        with self._lock, view.hold_sync():
+            if state.revision >= self._shown_revision:
+                self._shown_revision = state.revision
+                view.set_atoms(
+                    state.atoms,
+                    state.parts,
+                    state.labels,
+                    names,
+                    state.confidence,
+                    state.ids,
+                    keeps_ids=state.automatic is self._shown_automatic,
+                )
+                if state.automatic is not self._shown_automatic:
+                    self._shown_automatic = state.automatic
+                    self._first_revision = view.revision
+                view.undo_title = history[-1].title if history else ""
+                view.redo_title = undone[0].title if undone else ""
+                view.vocabulary = list(session.vocabulary)
+            if event.step is not None:
+                done = {"undo": "Undone: ", "redo": "Redone: "}.get(event.kind)
+                self.remark(f"{done}{event.step.title}" if done else "")
+            if message := getattr(self._message, "now", None):
+                view.answer(message)
+        self._on_change()

@@ -1,0 +1,93 @@
+"""Edits between the picture and the session, without a browser."""
+
+import threading
+
+import numpy as np
+import pytest
+import shapes
+
+import scenewidget as sw
+from scenewidget.editing.partition import Partition
+from scenewidget.widget.editor import Editor
+from scenewidget.widget.palette import adjacent_segments
+from scenewidget.widget.scene_view import SceneView
+
+SMALL = sw.Params(n_segments=6, n_runs=4, n_graph_runs=4)
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    """A box of 4 × 3 × 2.4 m seen from inside."""
+    box = shapes.box(16, size=(4.0, 3.0, 2.4))
+    return sw.Mesh(box.vertices, box.faces[:, ::-1])
+
+
+@pytest.fixture(scope="module")
+def automatic(mesh):
+    return sw.segment(mesh, SMALL)
+
+
+@pytest.fixture
+def editor(mesh, automatic):
+    """An editor whose session can be asked, with its view."""
+    editor = Editor(SceneView(mesh, editable=True), threading.RLock(), lambda: None)
+    editor.take(automatic, SMALL)
+    return editor
+
+
+def shown(view, name, dtype=np.uint32):
+    return np.frombuffer(getattr(view, f"_{name}"), dtype)
+
+
+def test_the_picture_shows_what_the_session_holds_after_any_walk(editor, mesh):
+    view, session, rng = editor._view, editor.session, np.random.default_rng(0)
+    for k in range(60):
+        a, b = (int(face) for face in rng.integers(0, mesh.n_faces, 2))
+        kind = ("merge", "split", "undo", "redo", "relabel")[k % 5]
+        editor.handle(
+            {"kind": kind, "face": a, "onto_face": b, "level": ("dihedral", "base", "final")[k % 3],
+             "name": f"name {k}", "revision": view.revision}
+        )  # fmt: skip
+        if k == 30:
+            session.cut(*np.flatnonzero(session.segmentation.labels == 0)[[0, -1]])
+        expected = session.segmentation
+        labels = shown(view, "atom_segment").astype(np.int32)[shown(view, "face_atom")]
+        np.testing.assert_array_equal(labels, expected.labels)
+        names = {str(i): name for i, name in enumerate(expected.names) if name}
+        assert (view.segment_names, view.n_segments) == (names, expected.n_segments)
+        confidence = expected.to_frame()["confidence"]
+        np.testing.assert_allclose(shown(view, "segment_confidence", np.float32), confidence, rtol=1e-5)
+    assert len(session.edits) > 10
+
+
+def test_neighbours_out_of_atoms_are_those_of_the_faces(editor, mesh):
+    view = editor._view
+    for edit in ({"kind": "split", "face": 5, "level": "dihedral"}, {"kind": "undo"}):
+        editor.handle({**edit, "revision": view.revision})
+        labels = editor.session.segmentation.labels
+        n = labels.max() + 1
+        seen = view._segment_pairs(view._table, n)
+        expected = adjacent_segments(mesh.faces, labels, mesh.n_vertices)
+        assert {tuple(pair) for pair in seen.tolist()} == {tuple(pair) for pair in expected.tolist()}
+
+
+def test_labels_per_face_are_made_only_when_somebody_wants_them(mesh, monkeypatch):
+    widget = sw.SceneWidget(mesh, SMALL)
+    before = widget.wait(60)
+    made = []
+    whole = Partition.segmentation
+    monkeypatch.setattr(Partition, "segmentation", lambda self: made.append(1) or whole(self))
+    first, second, third = (int(np.argmax(before.labels == segment)) for segment in range(3))
+    edit = {"kind": "merge", "onto_face": first, "level": "final", "revision": widget.view.revision}
+    widget.view._handle_custom_msg({**edit, "face": second}, [])
+    assert widget.view.n_segments == before.n_segments - 1
+    assert made == []
+    assert widget.segmentation.n_segments == before.n_segments - 1
+    assert widget.segmentation is widget.segmentation
+    assert made == [1]
+    told = []
+    widget.observe(lambda change: told.append(change["new"]), "segmentation")
+    widget.view._handle_custom_msg({**edit, "face": third}, [])
+    assert [seg.n_segments for seg in told] == [before.n_segments - 2]
+    assert made == [1, 1]
+    widget.close()
