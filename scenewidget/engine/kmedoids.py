@@ -183,17 +183,58 @@ def _sklearn_extra(D: Any, medoids: IntArray) -> KMedoidsResult:
 
 
 @numba.njit(cache=True, nogil=True)
-def _assign(D, medoids, labels):  # type: ignore[no-untyped-def]
-    """Label of the nearest medoid and the cost; ties go to the first medoid, medoids to themselves."""
+def _alternate(D, medoids, max_iter):  # type: ignore[no-untyped-def]
+    """Assignments and updates in turn, each only where something has changed since the one before."""
     n, k = len(D), len(medoids)
-    nearest = D[medoids[0]].copy()
-    labels[:] = 0
-    for c in range(1, k):
+    medoids = medoids.copy()
+    first = np.zeros(n, dtype=np.int32)
+    nearest = np.empty(n, dtype=D.dtype)
+    labels = np.empty(n, dtype=np.int32)
+    cost = _assign(D, medoids, np.ones(k + 1, dtype=np.bool_), first, nearest, labels)
+    before = np.full(n, -1, dtype=np.int32)
+    bound = np.zeros(n)
+    trial_labels = labels.copy()
+    n_iter = 0
+    while n_iter < max_iter:
+        trial = medoids.copy()
+        _update(D, trial, labels, before, bound)
+        trial_cost = _assign(D, trial, trial != medoids, first, nearest, trial_labels)
+        n_iter += 1
+        if not trial_cost < cost:
+            break
+        cost = trial_cost
+        medoids[:], before[:], labels[:] = trial, labels, trial_labels
+    return labels, medoids, cost, n_iter
+
+
+@numba.njit(cache=True, nogil=True)
+def _assign(D, medoids, has_moved, first, nearest, labels):  # type: ignore[no-untyped-def]
+    """Label of the nearest medoid and the cost; ties go to the first medoid, medoids to themselves.
+
+    ``first`` and ``nearest`` hold the first of the nearest medoids and its distance: those of the medoids
+    before, on return those of these. Only items whose medoid has moved are compared with all of them.
+    """
+    n, k = len(D), len(medoids)
+    lost = np.empty(n, dtype=np.int32)
+    n_lost = 0
+    for i in range(n):
+        if has_moved[first[i]]:
+            first[i], nearest[i] = k, np.inf
+            lost[n_lost] = i
+            n_lost += 1
+    for c in range(k):
         row = D[medoids[c]]
-        for i in range(n):
-            if row[i] < nearest[i]:
-                nearest[i] = row[i]
-                labels[i] = c
+        if has_moved[c]:
+            for i in range(n):
+                if row[i] < nearest[i] or (row[i] == nearest[i] and c < first[i]):
+                    nearest[i] = row[i]
+                    first[i] = c
+        else:
+            for i in lost[:n_lost]:
+                if row[i] < nearest[i] or (row[i] == nearest[i] and c < first[i]):
+                    nearest[i] = row[i]
+                    first[i] = c
+    labels[:] = first
     for c in range(k):
         labels[medoids[c]] = c
     cost = 0.0
@@ -206,54 +247,82 @@ def _assign(D, medoids, labels):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, nogil=True)
-def _update(D, medoids, labels):  # type: ignore[no-untyped-def]
-    """Move each medoid to the member with the least sum of distances, if that is strictly less."""
-    n, k = len(D), len(medoids)
-    start = np.zeros(k + 1, dtype=np.int64)
-    for i in range(n):
+def _update(D, medoids, labels, before, bound):  # type: ignore[no-untyped-def]
+    """Move each medoid to the member with the least sum of distances, if that is strictly less.
+
+    ``before`` holds the labels of the update before, after which clusters with the same members need none;
+    ``bound`` what each item's sum was then found to be at least, on return what it is now.
+    """
+    k = len(medoids)
+    start, members = _members(labels, k)
+    changed = np.flatnonzero(labels != before)
+    is_changed = np.zeros(k, dtype=np.bool_)
+    for i in changed:
+        bound[i] = 0.0
         if labels[i] >= 0:
-            start[labels[i] + 1] += 1
+            is_changed[labels[i]] = True
+        if before[i] >= 0:
+            is_changed[before[i]] = True
+    for c in np.flatnonzero(is_changed):
+        group = members[start[c] : start[c + 1]]
+        _carry_over(D, group, changed[labels[changed] == c], changed[before[changed] == c], bound)
+        own = D[medoids[c]][group]
+        farthest_first = group[np.argsort(-own)]  # brings hopeless sums past the best soonest
+        best = 0.0
+        for distance in own:
+            best += np.float64(distance)
+        for i in group:
+            if bound[i] >= best:
+                continue
+            row = D[i]
+            total = 0.0
+            for block in range(0, len(group), 32):  # sums only grow: stop once the best is passed
+                for j in farthest_first[block : block + 32]:
+                    total += np.float64(row[j])
+                if total >= best:
+                    break
+            bound[i] = total * (1.0 - 1e-10)
+            if bound[i] < best:
+                total = 0.0
+                for j in group:  # in the order of all other sums, so that equal ones come out equal
+                    total += np.float64(row[j])
+                if total < best:
+                    best = total
+                    medoids[c] = i
+
+
+@numba.njit(cache=True, nogil=True)
+def _carry_over(D, group, came, left, bound):  # type: ignore[no-untyped-def]
+    """Bounds of the members' sums after some have come and some have left, with room for rounding."""
+    if 4 * (len(came) + len(left)) > len(group):
+        bound[group] = 0.0  # as much work as new sums
+        return
+    is_new = np.zeros(len(group), dtype=np.bool_)
+    is_new[np.searchsorted(group, came)] = True
+    for place, i in enumerate(group):
+        if not is_new[place]:
+            row = D[i]
+            more, less = 0.0, 0.0
+            for j in came:
+                more += np.float64(row[j])
+            for j in left:
+                less += np.float64(row[j])
+            bound[i] = (bound[i] + more) * (1.0 - 1e-10) - less * (1.0 + 1e-10)
+
+
+@numba.njit(cache=True, nogil=True)
+def _members(labels, k):  # type: ignore[no-untyped-def]
+    """Members of cluster c, ascending, at start[c] : start[c + 1]."""
+    start = np.zeros(k + 1, dtype=np.int64)
+    for label in labels:
+        if label >= 0:
+            start[label + 1] += 1
     for c in range(k):
         start[c + 1] += start[c]
     members = np.empty(start[k], dtype=np.int32)
     fill = start[:-1].copy()
-    for i in range(n):
-        if labels[i] >= 0:
-            members[fill[labels[i]]] = i
-            fill[labels[i]] += 1
-    for c in range(k):
-        group = members[start[c] : start[c + 1]]
-        own = D[medoids[c]]
-        best = 0.0
-        for j in group:
-            best += np.float64(own[j])
-        for i in group:
-            row = D[i]
-            total = 0.0
-            for block in range(0, len(group), 32):  # sums only grow: stop once the best is passed
-                for j in group[block : block + 32]:
-                    total += np.float64(row[j])
-                if total >= best:
-                    break
-            if total < best:
-                best = total
-                medoids[c] = i
-
-
-@numba.njit(cache=True, nogil=True)
-def _alternate(D, medoids, max_iter):  # type: ignore[no-untyped-def]
-    medoids = medoids.copy()
-    labels = np.empty(len(D), dtype=np.int32)
-    cost = _assign(D, medoids, labels)
-    n_iter = 0
-    trial_labels = labels.copy()
-    while n_iter < max_iter:
-        trial = medoids.copy()
-        _update(D, trial, labels)
-        trial_cost = _assign(D, trial, trial_labels)
-        n_iter += 1
-        if not trial_cost < cost:
-            break
-        cost = trial_cost
-        medoids[:], labels[:] = trial, trial_labels
-    return labels, medoids, cost, n_iter
+    for i, label in enumerate(labels):
+        if label >= 0:
+            members[fill[label]] = i
+            fill[label] += 1
+    return start, members

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import distance_matrices
 
@@ -60,6 +60,50 @@ def test_unreachable_items_are_in_no_cluster(problem):
     result = k_medoids(D, k, seed=seed)
     out_of_reach = np.isinf(D[:, result.medoids]).all(axis=1)
     np.testing.assert_array_equal(result.labels == -1, out_of_reach)
+
+
+def plain_alternate(D, medoids):
+    """Algorithm 2 by definition: every assignment and every sum anew, each from the first item on."""
+
+    def cost_of(medoids):
+        return sum(float(d) for d in D[:, medoids].min(axis=1) if np.isfinite(d))
+
+    labels, cost = nearest(D, medoids), cost_of(medoids)
+    for n_iter in range(1, 101):
+        moved = medoids.copy()
+        for c in range(len(medoids)):
+            members = np.flatnonzero(labels == c)
+            sums = [sum(float(D[i, j]) for j in members) for i in members]
+            if min(sums) < sum(float(D[medoids[c], j]) for j in members):
+                moved[c] = members[int(np.argmin(sums))]
+        if not cost_of(moved) < cost:
+            return labels, medoids, n_iter
+        medoids, labels, cost = moved, nearest(D, moved), cost_of(moved)
+    raise AssertionError("no end")
+
+
+@st.composite
+def larger_problems(draw):
+    """Enough items for many updates, of which most change a few clusters only; ties, uneven sizes, parts."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    n = draw(st.integers(30, 150))
+    on_lattice = draw(st.booleans())
+    points = rng.integers(0, 12, (n, 2)).astype(float) if on_lattice else rng.lognormal(0, 2, (n, 2))
+    D = np.abs(points[:, None] - points).sum(axis=2)
+    part = rng.integers(0, draw(st.integers(1, 2)), n)
+    D = np.where(part[:, None] == part, D, np.inf).astype(draw(st.sampled_from([np.float32, np.float64])))
+    return D, rng.choice(n, draw(st.integers(1, 12)), replace=False).astype(np.int32)
+
+
+@given(larger_problems())
+@settings(max_examples=50)
+def test_looking_only_at_what_changed_gives_what_the_definition_gives(problem):
+    D, start = problem
+    result = alternate(D, start)
+    labels, medoids, n_iter = plain_alternate(D, start)
+    np.testing.assert_array_equal(result.labels, labels)
+    np.testing.assert_array_equal(result.medoids, medoids)
+    assert result.n_iter == n_iter
 
 
 def test_two_groups_on_a_line_are_found_with_their_middles():
