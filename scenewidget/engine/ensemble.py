@@ -181,28 +181,29 @@ def merge_flat(
         Dense again.
     """
     labels = labels.astype(np.int64)
-    good = items.seam_dot > seam
-    while True:
-        n = int(labels.max(initial=-1)) + 1
-        if n < 2:
-            break
-        moments = items.moments.gather(labels, n)
+    n = int(labels.max(initial=-1)) + 1
+    moments = items.moments.gather(labels, n)
+    n_pairs = len(items.pairs)
+    count = np.bincount(items.seam_pair, minlength=n_pairs)
+    good = np.bincount(items.seam_pair, items.seam_dot > seam, n_pairs)
+    dots = np.bincount(items.seam_pair, items.seam_dot, n_pairs)
+    a, b = labels[items.pairs[:, 0]], labels[items.pairs[:, 1]]
+    while n > 1:  # segments are joined, and with them their moments and the sums over their seams
+        crossing = (a != b) & (a >= 0) & (b >= 0)
+        a, b = np.minimum(a, b)[crossing], np.maximum(a, b)[crossing]
+        code, inverse = np.unique(a * n + b, return_inverse=True)
+        count, good, dots = (np.bincount(inverse, x[crossing], len(code)) for x in (count, good, dots))
+        a, b = code // n, code % n
         values, vectors = moments.principal()
         is_flat = values[:, 0] < flatness * values[:, 2]
-        ends = labels[items.pairs]
-        crossing = (ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)
-        low, high = ends.min(axis=1), ends.max(axis=1)
-        code, inverse = np.unique(np.where(crossing, low * n + high, -1), return_inverse=True)
-        seam_code = inverse[items.seam_pair]
-        count = np.bincount(seam_code, minlength=len(code))
-        mean = np.bincount(seam_code, items.seam_dot, len(code)) / np.maximum(count, 1)
-        half = np.bincount(seam_code, good, len(code)) >= 0.5 * count
-        a, b = np.maximum(code, 0) // n, np.maximum(code, 0) % n
         normals = vectors[:, :, 0]
         parallel = np.abs(np.einsum("ij,ij->i", normals[a], normals[b])) > normal
-        joins = (code >= 0) & (count > 0) & is_flat[a] & is_flat[b] & parallel & half & (mean > seam)
+        joins = is_flat[a] & is_flat[b] & parallel & (count > 0)
+        joins &= (good >= 0.5 * count) & (dots > seam * count)
         if not joins.any():
             break
-        _, group = connected_components(n, np.stack([a[joins], b[joins]], axis=1))
-        labels = np.where(labels >= 0, group[labels].astype(np.int64), -1)
+        n, group = connected_components(n, np.stack([a[joins], b[joins]], axis=1))
+        moments = moments.gather(group, n)
+        a, b = group[a].astype(np.int64), group[b].astype(np.int64)
+        labels = np.where(labels >= 0, group[labels], -1)
     return labels.astype(np.int32)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
 
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 
@@ -36,12 +37,13 @@ class Moments:
 
     def gather(self, group: IntArray, n_groups: int) -> Moments:
         """Moments of groups of pieces; pieces in group -1 are left out."""
+        flat = np.concatenate([self.area[:, None], self.first, self.second.reshape(-1, 9)], axis=1)
         keep = group >= 0
         if not keep.all():
-            group = group[keep]
-        columns = (self.area[:, None], self.first, self.second.reshape(-1, 9))
-        flat = np.concatenate(columns, axis=1)[keep]
-        sums: FloatArray = np.stack([np.bincount(group, c, n_groups) for c in flat.T], axis=1).astype(float)
+            group, flat = group[keep], flat[keep]
+        ends = np.arange(len(group) + 1)
+        member = sparse.csc_array((np.ones(len(group)), group, ends), shape=(n_groups, len(group)))
+        sums: FloatArray = member @ flat
         return Moments(sums[:, 0], sums[:, 1:4], sums[:, 4:].reshape(-1, 3, 3))
 
     @property
