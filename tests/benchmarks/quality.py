@@ -40,7 +40,7 @@ from scipy.spatial import cKDTree
 
 import scenewidget as sw
 from scenewidget.baselines.graph_segmentation import mesh_graph, segment_graph
-from scenewidget.editing import simulate_annotator
+from scenewidget.editing import annotator, simulate_annotator
 from scenewidget.engine import felzenszwalb, finish, items, preprocess
 from scenewidget.engine.dihedral import dihedral_partition
 from scenewidget.engine.mesh import FloatArray, IntArray, face_adjacency
@@ -232,10 +232,10 @@ class Cache:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
-    def get(self, scan: str, name: str, depends_on: Any, compute: Callable[[], Any]) -> Any:
+    def get(self, scan: Scan, name: str, depends_on: Any, compute: Callable[[], Any]) -> Any:
         """The value kept under this name, computed where what it depends on has changed."""
-        digest = hashlib.sha256(repr((judging_digest(), depends_on)).encode()).hexdigest()[:16]
-        file = self.folder / "rows" / scan / f"{name}-{digest}.json"
+        digest = hashlib.sha256(repr((judging_digest(), scan.recipe, depends_on)).encode()).hexdigest()[:16]
+        file = self.folder / "rows" / scan.name / f"{name}-{digest}.json"
         if file.exists():
             return json.loads(file.read_text())
         value = compute()
@@ -247,8 +247,8 @@ class Cache:
 @cache
 def judging_digest() -> str:
     """Of how rows are judged."""
-    sources = [inspect.getsource(part) for part in (tidied, judged, Scan)]
-    return hashlib.sha256(json.dumps([sources, HALVES], default=str).encode()).hexdigest()
+    sources = [inspect.getsource(part) for part in (tidied, judged, annotator)]
+    return hashlib.sha256("".join(sources).encode()).hexdigest()
 
 
 @cache
@@ -278,9 +278,7 @@ def engine_row(kept: Cache, scan: Scan, name: str, params: sw.Params, seeds: lis
     runs = []
     for seed in seeds:
         options = params.replace(seed=seed)
-        runs.append(
-            kept.get(scan.name, name, (code, options), lambda o=options: judged(scan, by_engine(scan, o)))
-        )
+        runs.append(kept.get(scan, name, (code, options), lambda o=options: judged(scan, by_engine(scan, o))))
     row = pd.DataFrame(runs).mean().to_dict()
     return {**row, "±": float(np.ptp([run["1-RI"] for run in runs])) / 2}
 
@@ -296,7 +294,7 @@ def rows_of(
         if method not in wanted:
             continue
         code = (probe(method), inspect.getsource(METHODS[method]), THRESHOLDS, FIXED[method])
-        rows = kept.get(scan.name, method, code, lambda m=method: searched(scan, m))
+        rows = kept.get(scan, method, code, lambda m=method: searched(scan, m))
         yield f"{title}, best c", rows["best"]
         yield f"{title}, c = {FIXED[method]:g}", rows["fixed"]
         if scan.half == "tuning":

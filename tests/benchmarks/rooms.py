@@ -28,14 +28,20 @@ TUNING: dict[str, dict[str, Any] | None] = {
     "bedroom": None,
     "living room": {"seed": 11, "style": "living", "shape": "rectangle", "voxel": 0.017},
     "hasty bedroom": {
-        "seed": 12, "style": "bedroom", "shape": "rectangle", "voxel": 0.018, **SCANNERS["hasty"],
+        "seed": 12, "style": "bedroom", "shape": "rectangle", "n_objects": 15, "voxel": 0.018,
+        "noise": 0.009, "unseen": 0.65, "misregistration": 0.014, "warp": 0.03, "relief": 0.008,
     },
-    "dining room, lidar": {
-        "seed": 13, "style": "dining", "n_objects": 16, "voxel": 0.019, **SCANNERS["lidar"], "relief": 0.012,
+    "dining room, telephone": {
+        "seed": 13, "style": "dining", "n_objects": 16, "voxel": 0.018, "noise": 0.003, "unseen": 0.2,
+        "misregistration": 0.016, "smoothing": 0.07, "relief": 0.025, "warp": 0.08,
     },
     "crowded study": {
         "seed": 14, "style": "study", "shape": "L", "n_objects": 20, "clutter": 24, "voxel": 0.019,
         "noise": 0.004, "misregistration": 0.007,
+    },
+    "attic": {
+        "seed": 16, "n_objects": 20, "clutter": 30, "voxel": 0.02, "noise": 0.004, "relief": 0.03,
+        "misregistration": 0.014, "smoothing": 0.05, "warp": 0.05,
     },
     "clean living room": {
         "seed": 15, "style": "living", "n_objects": 14, "voxel": 0.021, **SCANNERS["clean"],
@@ -45,10 +51,12 @@ JUDGING: dict[str, dict[str, Any] | None] = {
     "bedroom_noisy": None,
     "study": {"seed": 21, "style": "study", "shape": "rectangle", "voxel": 0.016},
     "hasty dining room": {
-        "seed": 22, "style": "dining", "n_objects": 15, "voxel": 0.018, **SCANNERS["hasty"], "relief": 0.008,
+        "seed": 22, "style": "dining", "n_objects": 15, "voxel": 0.018, "noise": 0.01, "unseen": 0.7,
+        "misregistration": 0.015, "warp": 0.03, "relief": 0.01,
     },
-    "bedroom, lidar": {
-        "seed": 23, "style": "bedroom", "n_objects": 14, "clutter": 16, "voxel": 0.019, **SCANNERS["lidar"],
+    "bedroom, telephone": {
+        "seed": 23, "style": "bedroom", "n_objects": 14, "clutter": 16, "voxel": 0.017, "noise": 0.003,
+        "unseen": 0.2, "misregistration": 0.02, "smoothing": 0.08, "relief": 0.03, "warp": 0.1,
     },
     "flat, inside out": {
         "seed": 24, "style": "living", "shape": "L", "n_objects": 20, "clutter": 14, "voxel": 0.02,
@@ -57,6 +65,10 @@ JUDGING: dict[str, dict[str, Any] | None] = {
     "old house": {
         "seed": 25, "size": (5.6, 4.2, 2.3), "n_objects": 15, "clutter": 16, "voxel": 0.021, "noise": 0.004,
         "relief": 0.02, "warp": 0.05, "misregistration": 0.012, "unseen": 0.3,
+    },
+    "cellar": {
+        "seed": 32, "n_objects": 20, "clutter": 30, "voxel": 0.02, "noise": 0.004, "relief": 0.03,
+        "misregistration": 0.015, "smoothing": 0.06, "warp": 0.06,
     },
     "clean dining room": {
         "seed": 26, "style": "dining", "n_objects": 14, "voxel": 0.021, **SCANNERS["clean"],
@@ -73,8 +85,17 @@ class Scan:
     half: str
     mesh: sw.Mesh
     truth: sw.Segmentation
-    is_inside_out: bool
-    is_clean: bool
+    recipe: str  # what it was simulated with
+
+    @property
+    def is_inside_out(self) -> bool:
+        """Whether the normals point out of the room."""
+        return "inside_out" in self.recipe
+
+    @property
+    def is_clean(self) -> bool:
+        """Whether it is like a CAD export."""
+        return '"noise": 0.0,' in self.recipe
 
     @property
     def from_inside(self) -> sw.Mesh:
@@ -94,9 +115,7 @@ def scans(names: list[str] | None, halves: list[str], cache: Path) -> Iterator[S
                 print(f"{name}: not there, left out")
                 continue
             mesh, truth = _read(name) if options is None else _simulate(name, options, cache)
-            options = options or {}
-            is_clean = options.get("noise", 1.0) == 0.0
-            yield Scan(name, half, mesh, truth, bool(options.get("inside_out")), is_clean)
+            yield Scan(name, half, mesh, truth, json.dumps(options, sort_keys=True))
 
 
 def _read(name: str) -> tuple[sw.Mesh, sw.Segmentation]:
