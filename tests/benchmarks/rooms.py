@@ -137,8 +137,10 @@ def _simulate(name: str, options: dict[str, Any], cache: Path) -> tuple[sw.Mesh,
         warnings.simplefilter("ignore")  # not every room has a place for all that is asked for
         mesh, truth = sw.datasets.simulate_room(**options)
     file.parent.mkdir(parents=True, exist_ok=True)
+    part = file.with_suffix(".part.npz")
     np.savez_compressed(
-        file, recipe=recipe, vertices=mesh.vertices, faces=mesh.faces, colors=mesh.vertex_colors,
+        part, recipe=recipe, vertices=mesh.vertices, faces=mesh.faces, colors=mesh.vertex_colors,
         labels=truth.labels, names=np.array(truth.names),
     )  # fmt: skip
+    part.replace(file)
     return mesh, truth
