@@ -128,6 +128,9 @@ class Params:
         Whether pieces of one wall or floor that don't touch are joined. Thesis: no.
     min_area : float
         Segments below this area (m²) go to a neighbour. Thesis: 0.
+    granularity : int, optional
+        Cut the nested family of segmentations (see `Pipeline.family`) that runs through the result where it
+        has so many segments, or as near as it gets. None: the result as it is.
     seed : int
         Same seed, same labels, whatever the number of threads.
     """
@@ -164,6 +167,7 @@ class Params:
     leftover: Leftover = "alone"
     join_planes: bool = True
     min_area: float = 0.02
+    granularity: int | None = None
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -237,6 +241,8 @@ class Params:
             if value == "auto":
                 return value
             return _whole(name, value, 1, 10_000)
+        if name == "granularity":
+            return value if value is None else _whole(name, value, 1, 1_000_000)
         if name == "k_range":
             return value if value is None else _k_range(value)
         if name == "convex_weights":

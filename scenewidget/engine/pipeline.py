@@ -130,9 +130,9 @@ class Pipeline:
         """
         params = _checked(params)
         timings: dict[str, float] = {}
-        result: Segmentation = self._compute(
-            "segmentation", stages(params), Monitor(progress, cancel), timings
-        )
+        table = stages(params)
+        last = next(reversed(table))
+        result: Segmentation = self._compute(last, table, Monitor(progress, cancel), timings)
         return dataclasses.replace(result, timings=timings)
 
     def family(
@@ -147,7 +147,7 @@ class Pipeline:
         ``family.cut(n)`` has exactly n segments, takes milliseconds, and is a union of the segments of
         any finer cut; ``family.cut(result.n_segments)`` is the result of ``run(params)`` itself.
         """
-        table = _with_family(_checked(params))
+        table = stages(_checked(params).replace(granularity=1))
         family: Family = self._compute("family", table, Monitor(progress, cancel), {})
         return family
 
@@ -342,32 +342,40 @@ def stages(params: Params) -> dict[str, Stage]:
                 seed=p.seed,
             )
         )
-    table.append(
+    table += [
         stage(
-            "segmentation",
-            _segmentation,
+            "finish",
+            _finish,
             "items",
-            "dihedral",
             "coassociation",
             "consensus",
             planes=p.join_planes,
             min_area=p.min_area,
-        )
-    )
+        ),
+        stage("segmentation", _segmentation, "items", "dihedral", "coassociation", "finish"),
+    ]
+    if p.granularity is not None:
+        if p.consensus != "linkage":
+            table.append(stage("tree", _tree, "coassociation"))
+        table += [
+            stage(
+                "family",
+                _family,
+                "items",
+                "coassociation",
+                "tree",
+                "segmentation",
+                planes=p.join_planes,
+                min_area=p.min_area,
+            ),
+            stage("granularity", _cut, "family", n_segments=p.granularity),
+        ]
     return {s.name: s for s in table}
 
 
 def _eigenbasis_stage(p: Params) -> Stage:
     options = (("k", p.n_eigenpairs), ("laplacian", p.laplacian))
     return Stage("eigenbasis", _eigenbasis, ("items",), options)
-
-
-def _with_family(p: Params) -> dict[str, Stage]:
-    table = stages(p)
-    table.setdefault("tree", Stage("tree", _tree, ("coassociation",)))
-    options = (("min_area", p.min_area), ("planes", p.join_planes))
-    table["family"] = Stage("family", _family, ("items", "coassociation", "tree", "segmentation"), options)
-    return table
 
 
 def _n_threads() -> int:
@@ -629,23 +637,37 @@ def _consensus_peac(
     return out
 
 
-def _segmentation(
+def _finish(
     mesh: Mesh,
     items: Items,
-    dihedral: IntArray,
     co: CoAssociation,
     consensus: IntArray,
     *,
     monitor: Monitor,
     planes: bool,
     min_area: float,
-) -> Segmentation:
+) -> tuple[IntArray, FloatArray]:
+    """(n_items,) label of each item, and how much the ensemble agrees with it."""
     labels = connected_pieces(consensus[co.base], items.pairs)
-    confidence = _confidence(co, labels)
+    return _finished(items, labels, planes, min_area), _confidence(co, labels)
+
+
+def _finished(items: Items, labels: IntArray, planes: bool, min_area: float) -> IntArray:
     if planes:
         labels = join_planes(items, labels)
-    if min_area > 0:
-        labels = absorb_small(items, labels, min_area)
+    return absorb_small(items, labels, min_area) if min_area > 0 else labels
+
+
+def _segmentation(
+    mesh: Mesh,
+    items: Items,
+    dihedral: IntArray,
+    co: CoAssociation,
+    finished: tuple[IntArray, FloatArray],
+    *,
+    monitor: Monitor,
+) -> Segmentation:
+    labels, confidence = finished
     face_map = items.face_map
     raw = np.append(labels, -1)[face_map]
     dense, kept = order_by_area(raw, mesh.face_areas)
@@ -687,11 +709,11 @@ def _family(
     min_area: float,
 ) -> Family:
     fine = connected_pieces(cut_tree(tree, similarity=FINE_SIMILARITY)[co.base], items.pairs)
-    if planes:
-        fine = join_planes(items, fine)
-    if min_area > 0:
-        fine = absorb_small(items, fine, min_area)
-    return make_family(segmentation, fine, co, smallest=min_area)
+    return make_family(segmentation, _finished(items, fine, planes, min_area), co, smallest=min_area)
+
+
+def _cut(mesh: Mesh, family: Family, *, monitor: Monitor, n_segments: int) -> Segmentation:
+    return family.cut(min(max(n_segments, family.least), family.most))
 
 
 def _confidence(co: CoAssociation, labels: IntArray) -> FloatArray:

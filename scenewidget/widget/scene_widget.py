@@ -38,7 +38,10 @@ STAGE_NAMES = {
     "coassociation": "Comparing the clusterings",
     "tree": "Building the consensus tree",
     "consensus": "Finding the consensus",
+    "finish": "Tidying segments up",
     "segmentation": "Labeling every face",
+    "family": "Finding coarser and finer segments",
+    "granularity": "Choosing the granularity",
 }
 
 

@@ -85,6 +85,16 @@ def test_numbers_outside_the_family_are_refused_with_its_range(run):
             family.cut(n)
 
 
+@pytest.mark.parametrize("consensus", ["linkage", "median", "peac"])
+def test_granularity_is_an_option_that_goes_as_far_as_the_family_does(consensus):
+    pipe, params = Pipeline(ROOM), FAST.replace(consensus=consensus)
+    family = pipe.family(params)
+    for n, expected in ((family.least + 1, family.least + 1), (1, family.least), (9999, family.most)):
+        cut = pipe.run(params.replace(granularity=n))
+        np.testing.assert_array_equal(cut.labels, family.cut(expected).labels)
+    assert pipe.family(params.replace(granularity=3)) is family
+
+
 def test_what_no_run_ever_put_together_stays_apart():
     far = Mesh(ROOM.vertices + np.array([50.0, 60.0, 70.0]), ROOM.faces)
     family = Pipeline(shapes.joined(ROOM, far)).family(FAST)

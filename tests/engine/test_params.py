@@ -12,7 +12,7 @@ WHOLE = [name for name in _RANGES if name.startswith("n_") or name in ("filter_s
 
 
 def test_every_option_is_checked_and_documented():
-    special = {"n_segments", "k_range", "convex_weights", "merge", "join_planes"}
+    special = {"n_segments", "k_range", "convex_weights", "merge", "join_planes", "granularity"}
     assert set(NAMES) == set(_CHOICES) | set(_RANGES) | special
     for name in NAMES:
         assert name in Params.__doc__
@@ -64,6 +64,8 @@ def test_switches_are_true_or_false(name):
     ("options", "error", "message"),
     [
         ({"n_segments": 0}, ValueError, r"n_segments must lie in 1\.\."),
+        ({"granularity": 0}, ValueError, r"granularity must lie in 1\.\."),
+        ({"granularity": "fine"}, TypeError, "granularity must be a whole number"),
         ({"n_segments": 3.0}, TypeError, "n_segments must be a whole number"),
         ({"n_segments": True}, TypeError, "n_segments must be a whole number"),
         ({"n_segments": "automatic"}, TypeError, "n_segments must be a whole number"),

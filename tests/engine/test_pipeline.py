@@ -61,6 +61,8 @@ CHANGES = [
     {"n_items": 300},
     {"min_area": 0.3},
     {"join_planes": False},
+    {"granularity": 9},
+    {"granularity": None},
     {"seed": 3},
 ]
 
@@ -77,7 +79,8 @@ def test_after_any_walk_of_changes_the_memo_gives_what_a_fresh_run_gives(walk, f
     same(result, segment(ROOM, params))
 
 
-ENSEMBLE = {"ensemble", "coassociation", "tree", "consensus", "segmentation"}
+FINISH = {"finish", "segmentation"}
+ENSEMBLE = {"ensemble", "coassociation", "tree", "consensus"} | FINISH
 DISTANCES = {"distances"} | ENSEMBLE
 ITEMS = {"items", "dihedral", "allocation"} | DISTANCES
 
@@ -92,12 +95,13 @@ def recomputed(pipe, params):
     ("change", "expected"),
     [
         ({}, set()),
-        ({"n_segments": 20}, {"consensus", "segmentation"}),
-        ({"n_segments": "auto"}, {"consensus", "segmentation"}),
-        ({"consensus": "median"}, {"consensus", "segmentation"}),
-        ({"consensus": "peac"}, {"consensus", "segmentation"}),
-        ({"min_area": 0.5}, {"segmentation"}),
-        ({"join_planes": False}, {"segmentation"}),
+        ({"n_segments": 20}, {"consensus"} | FINISH),
+        ({"n_segments": "auto"}, {"consensus"} | FINISH),
+        ({"consensus": "median"}, {"consensus"} | FINISH),
+        ({"consensus": "peac"}, {"consensus"} | FINISH),
+        ({"min_area": 0.5}, FINISH),
+        ({"join_planes": False}, FINISH),
+        ({"granularity": 9}, {"family", "granularity"}),
         ({"k_range": (5, 9)}, ENSEMBLE),
         ({"n_runs": 3}, ENSEMBLE),
         ({"n_graph_runs": 3}, ENSEMBLE),

@@ -81,7 +81,7 @@ def test_a_slider_recomputes_only_what_depends_on_it(widget):
     widget.wait(60)
     widget.controls.n_segments.value = 5
     spent = {stage for stage, seconds in widget.wait(60).timings.items() if seconds > 0}
-    assert spent == {"consensus", "segmentation"}
+    assert spent == {"consensus", "finish", "segmentation"}
 
 
 def test_new_params_replace_a_computation_under_way(widget):
