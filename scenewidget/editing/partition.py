@@ -56,6 +56,7 @@ class Numbering:
     ids: IntArray  # (n_segments,) what stays of each segment over edits
     names: tuple[str, ...]  # "" where a segment has none
     confidence: FloatArray  # (n_segments,) mean over the area, 1 where a person decided
+    atom_confidence: FloatArray  # (n_atoms,) likewise
 
 
 class Partition:
@@ -313,7 +314,9 @@ class Partition:
         sure = np.where(self._is_moved, self._area, self._sure_area)
         confidence = _sums(labels[keep], sure[keep], n)
         np.divide(confidence, area, out=confidence, where=area > 0)
-        return Numbering(labels, ids, tuple(self.names.get(i, "") for i in ids.tolist()), confidence)
+        by_atom = np.divide(sure, self._area, out=np.zeros(len(sure)), where=self._area > 0)
+        names = tuple(self.names.get(i, "") for i in ids.tolist())
+        return Numbering(labels, ids, names, confidence, by_atom)
 
     def segmentation(self) -> Segmentation:
         """The segmentation as it is now, labels dense and 0 the largest by area.

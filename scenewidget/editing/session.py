@@ -83,6 +83,7 @@ class Snapshot:
         By label, "" where a segment has none.
     confidence : (n_segments,) float64
         Mean over the area; 1 where a person decided.
+    atom_confidence : (n_atoms,) float64
     """
 
     revision: int
@@ -93,6 +94,7 @@ class Snapshot:
     ids: IntArray
     names: tuple[str, ...]
     confidence: FloatArray
+    atom_confidence: FloatArray
 
 
 @dataclass(frozen=True)
@@ -386,6 +388,7 @@ class Session:
                 numbering.ids,
                 numbering.names,
                 numbering.confidence,
+                numbering.atom_confidence,
             )
 
     @property

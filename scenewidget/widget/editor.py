@@ -118,6 +118,7 @@ class Editor:
                     names,
                     state.confidence,
                     state.ids,
+                    atom_confidence=state.atom_confidence,
                     keeps_ids=state.automatic is self._shown_automatic,
                 )
                 if state.automatic is not self._shown_automatic:

@@ -6,9 +6,10 @@ cross as *atoms*, the common refinement of all levels and segments, so that an e
 
 State, synced both ways (observe or set any of them)
 ----------------------------------------------------
-``color_by`` : ``"segments"``, ``"parts"``, ``"scan"``, ``"shaded"``, ``"values"``
-    What a face's colour tells: its segment, its part at ``level``, the scan's vertex colours, nothing, or the
-    number of `set_values`. Starts as the scan; the first `set_partition` switches it to segments.
+``color_by`` : "segments", "parts", "confidence", "values", "normals", "scan", "shaded"
+    What a face's colour tells: its segment, its part at ``level``, how sure the segmentation is of it, the
+    number of `set_values`, which way it faces, the scan's vertex colours, or nothing. Starts as the scan; the
+    first `set_partition` switches it to segments.
 ``color_mix`` : 0 to 1
     1 = those colours alone, 0 = only the scan below them.
 ``level`` : name of a level
@@ -81,7 +82,7 @@ import numpy.typing as npt
 import traitlets
 
 from scenewidget.engine.atoms import Atoms, common_refinement
-from scenewidget.engine.mesh import IntArray, Mesh
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.widget.page import make_page
 from scenewidget.widget.palette import (
     adjacent_segments,
@@ -113,7 +114,9 @@ class SceneView(anywidget.AnyWidget):
     _esm = traitlets.Unicode().tag(sync=True)
     _css = traitlets.Unicode().tag(sync=True)
 
-    color_by = traitlets.Enum(("segments", "parts", "scan", "shaded", "values"), "shaded").tag(sync=True)
+    color_by = traitlets.Enum(
+        ("segments", "parts", "confidence", "values", "normals", "scan", "shaded"), "shaded"
+    ).tag(sync=True)
     color_mix = traitlets.Float(1.0, min=0.0, max=1.0).tag(sync=True)
     level = traitlets.Unicode().tag(sync=True)
     outlines = traitlets.Bool(True).tag(sync=True)
@@ -150,6 +153,7 @@ class SceneView(anywidget.AnyWidget):
     _atom_segment = traitlets.Bytes().tag(sync=True)
     _segment_colors = traitlets.Bytes().tag(sync=True)
     _segment_confidence = traitlets.Bytes().tag(sync=True)
+    _atom_confidence = traitlets.Bytes().tag(sync=True)
     _face_value = traitlets.Bytes().tag(sync=True)
     _colormap = traitlets.Bytes().tag(sync=True)
 
@@ -206,8 +210,8 @@ class SceneView(anywidget.AnyWidget):
             Segment of each face; -1 = unlabelled, drawn grey.
         names : mapping of segment to str, optional
             Shown beside the number of a segment that is pointed at.
-        confidence : (n_segments,) float, optional
-            Likewise, 0 to 1.
+        confidence : (n_faces,) or (n_segments,) float, optional
+            From 0 to 1. Of a segment it is told likewise, as the mean over its area if it is given by face.
         ids : (n_segments,) int, optional
             What stays of a segment when an edit numbers them anew: over the calls of `set_segments` that
             follow, the same id keeps its colour.
@@ -216,7 +220,9 @@ class SceneView(anywidget.AnyWidget):
         segments = self._checked("segments", segments)
         atoms = common_refinement([*checked.values(), segments], self.mesh.n_faces)
         parts = {name: labels[atoms.first_face] for name, labels in checked.items()}
-        self.set_atoms(atoms, parts, segments[atoms.first_face], names, confidence, ids)
+        table = segments[atoms.first_face]
+        means, by_atom = self._confidence(atoms, table, confidence)
+        self.set_atoms(atoms, parts, table, names, means, ids, atom_confidence=by_atom)
 
     def set_segments(
         self,
@@ -237,7 +243,8 @@ class SceneView(anywidget.AnyWidget):
             atoms = common_refinement([*levels.values(), segments], self.mesh.n_faces)
             parts = {name: labels[atoms.first_face] for name, labels in levels.items()}
             table = segments[atoms.first_face]
-        self.set_atoms(atoms, parts, table, names, confidence, ids, keeps_ids=True)
+        means, by_atom = self._confidence(atoms, table, confidence)
+        self.set_atoms(atoms, parts, table, names, means, ids, atom_confidence=by_atom, keeps_ids=True)
 
     def set_atoms(
         self,
@@ -248,6 +255,7 @@ class SceneView(anywidget.AnyWidget):
         confidence: npt.ArrayLike | None = None,
         ids: IntArray | None = None,
         *,
+        atom_confidence: FloatArray | None = None,
         keeps_ids: bool = False,
     ) -> None:
         """As `set_partition`, but with labels per atom; costs a few ms while the atoms stay the same object.
@@ -258,8 +266,11 @@ class SceneView(anywidget.AnyWidget):
         parts : mapping of name to (n_atoms,) int
             Part of each atom at each level.
         segments : (n_atoms,) int
-        names, confidence, ids
+        names, ids
             As in `set_partition`.
+        confidence : (n_segments,) float, optional
+        atom_confidence : (n_atoms,) float, optional
+            To colour by; that of the segment by default.
         keeps_ids : bool
             Whether ids mean what they meant in the last call, so that the same id keeps its colour.
         """
@@ -280,6 +291,7 @@ class SceneView(anywidget.AnyWidget):
                 if self.level not in parts:
                     self.level = "final" if "final" in parts else next(reversed(list(parts)), "")
             self._show_segments(np.asarray(segments), before, names, confidence, ids)
+            self._put("atom_confidence", self._confidence_codes(confidence, atom_confidence))
             if self.color_by in ("scan", "shaded") and self.revision == 1:
                 self.color_by = "segments"
 
@@ -299,8 +311,10 @@ class SceneView(anywidget.AnyWidget):
         """Take segments and levels away; the scan itself stays."""
         self._atoms, self._parts = None, {}
         with self.hold_sync():
-            for name in ("face_atom", "atom_part", "atom_segment", "segment_colors", "segment_confidence"):
+            for name in ("face_atom", "atom_part", "atom_segment", "segment_colors"):
                 self._put(name, np.zeros(0, np.uint32))
+            for name in ("segment_confidence", "atom_confidence"):
+                self._put(name, np.zeros(0, np.float32))
             self.set_trait("levels", [])
             self.set_trait("n_segments", 0)
             self.set_trait("segment_names", {})
@@ -345,7 +359,7 @@ class SceneView(anywidget.AnyWidget):
             raise ValueError(f"low must not be above high, got {low:g} and {high:g}")
         scaled = np.clip((numbers - low) / ((high - low) or 1.0), 0.0, 1.0)
         with self.hold_sync():
-            self._put("face_value", np.where(np.isfinite(numbers), 1 + 65534 * scaled, 0).astype(np.uint16))
+            self._put("face_value", _codes(np.where(np.isfinite(numbers), scaled, np.nan)))
             self._put("colormap", _colormap_table(colormap))
             self.set_trait("values_legend", {"title": title, "low": low, "high": high})
             self.color_by = "values"
@@ -450,6 +464,37 @@ class SceneView(anywidget.AnyWidget):
         self.set_trait("segment_names", {str(segment): str(name) for segment, name in (names or {}).items()})
         self.set_trait("revision", self.revision + 1)
 
+    def _confidence(
+        self, atoms: Atoms, table: IntArray, confidence: npt.ArrayLike | None
+    ) -> tuple[FloatArray | None, FloatArray | None]:
+        """Confidence by segment and by atom; the latter is None unless it is given by face."""
+        if confidence is None:
+            return None, None
+        given, n = np.asarray(confidence, np.float64), int(table.max(initial=-1)) + 1
+        if given.shape == (n,):
+            return given, None
+        n_faces = self.mesh.n_faces
+        if given.shape != (n_faces,):
+            raise ValueError(
+                f"confidence must have shape ({n_faces},), one a face, or ({n},), one a segment, "
+                f"got {given.shape}"
+            )
+        areas, is_labelled = self.mesh.face_areas, table >= 0
+        area = np.bincount(atoms.face_atom, areas, atoms.n)
+        sure = np.bincount(atoms.face_atom, areas * given, atoms.n)
+        by_atom = np.divide(sure, area, out=given[atoms.first_face], where=area > 0)
+        whole = np.bincount(table[is_labelled], area[is_labelled], n)
+        total = np.bincount(table[is_labelled], sure[is_labelled], n)
+        return np.divide(total, whole, out=np.zeros(n), where=whole > 0), by_atom
+
+    def _confidence_codes(
+        self, confidence: npt.ArrayLike | None, by_atom: FloatArray | None
+    ) -> npt.NDArray[np.uint16]:
+        if by_atom is None and confidence is not None:
+            by_segment = np.append(np.asarray(confidence, np.float64), np.nan)
+            by_atom = by_segment[self._table]  # -1, unlabelled, takes the last
+        return _codes(np.zeros(0) if by_atom is None else by_atom)
+
     def _segment_pairs(self, table: IntArray, n: int) -> IntArray:
         """(n_pairs, 2) segments that touch, out of the atoms that do."""
         one, other = table[self._neighbours[:, 0]], table[self._neighbours[:, 1]]
@@ -495,6 +540,14 @@ def _geometry(mesh: Mesh) -> dict[str, npt.NDArray[Any]]:
 
 def _unlabelled_as_most(labels: IntArray) -> npt.NDArray[np.uint32]:
     return labels.astype(np.uint32)  # -1 becomes UNLABELLED
+
+
+def _codes(values: FloatArray) -> npt.NDArray[np.uint16]:
+    """Numbers from 0 to 1 as 1 to 65535; NaN as 0."""
+    codes: npt.NDArray[np.uint16] = np.where(np.isnan(values), 0, np.rint(1 + 65534 * values)).astype(
+        np.uint16
+    )
+    return codes
 
 
 def _header(array: npt.NDArray[Any]) -> dict[str, Any]:

@@ -311,3 +311,33 @@ def test_light_and_dark_follow_the_host(room):
     view.wait("theme", "light")
     book.execute("view.theme = 'dark'")
     view.wait("theme", "dark")
+
+
+def test_normals_and_confidence_are_colours_to_choose(room):
+    book, view = room
+    choice = view.root.get_by_label("Colour by")
+    options = "select => [...select.options].map(option => option.text)"
+    assert choice.evaluate(options) == ["Segments", "Parts", "Normals", "Plain"]
+    book.execute("view.set_segments(surfaces, confidence=np.linspace(0, 1, mesh.n_faces))")
+    book.page.wait_for_function(
+        "select => [...select.options].some(option => option.text === 'Confidence')",
+        arg=choice.element_handle(),
+    )
+    choice.select_option("confidence")
+    view.root.get_by_text("0 unsure").wait_for()
+    assert book.evaluate("view.color_by") == "'confidence'"
+    choice.select_option("normals")
+    view.root.get_by_text("down", exact=True).wait_for()
+    view.root.get_by_role("button", name="Top view").click()
+    view.settle()
+    x, y = (int(size / 2) for size in view.size())
+    red, green, blue = view.pixels()[y, x].astype(int)
+    assert blue > red + 60  # the floor faces up
+    assert abs(red - green) < 12
+    view.root.get_by_role(
+        "button", name="Back faces"
+    ).click()  # now the ceiling is in front, seen from its back
+    view.settle()
+    red, green, blue = view.pixels()[y, x].astype(int)
+    assert blue < red - 60
+    assert book.errors == []

@@ -153,10 +153,27 @@ def test_a_segment_keeps_its_colour_by_its_id_and_a_new_one_gets_a_spare_one(vie
 def test_confidence_is_one_number_a_segment(view, quarters):
     view.set_partition({}, quarters, confidence=[0.5, 1, 0, 0.25])
     np.testing.assert_array_equal(array(view, "segment_confidence"), np.float32([0.5, 1, 0, 0.25]))
-    with pytest.raises(ValueError, match=r"confidence must have shape \(4,\), one a segment, got \(3,\)"):
+    np.testing.assert_array_equal(array(view, "atom_confidence"), [32768, 65535, 1, 16384])  # by atom
+    message = r"confidence must have shape \(32,\), one a face, or \(4,\), one a segment, got \(3,\)"
+    with pytest.raises(ValueError, match=message):
         view.set_segments(quarters, confidence=[1, 1, 1])
     view.set_segments(quarters)
     assert array(view, "segment_confidence").size == 0
+
+
+def test_confidence_of_faces_becomes_means_over_the_area(quarters):
+    mesh = grid_square(4)
+    stretched = Mesh(mesh.vertices**2, mesh.faces)  # faces of different size
+    view = SceneView(stretched)
+    sure = np.random.default_rng(0).random(32)
+    pairs = np.arange(32) // 2
+    view.set_partition({"pairs": pairs}, np.where(quarters == 3, -1, quarters), confidence=sure)
+    areas = stretched.face_areas
+    expected = [np.average(sure[pairs == i], weights=areas[pairs == i]) for i in range(16)]
+    face_code = array(view, "atom_confidence")[array(view, "face_atom")]
+    np.testing.assert_allclose((face_code - 1.0) / 65534, np.array(expected)[pairs], atol=1e-5)
+    expected = [np.average(sure[quarters == i], weights=areas[quarters == i]) for i in range(3)]
+    np.testing.assert_allclose(array(view, "segment_confidence"), expected, rtol=1e-6)
 
 
 def test_answers_are_kept_for_the_pages_that_asked_last(view):

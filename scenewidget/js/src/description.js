@@ -8,7 +8,7 @@ import { describe, NONE } from "./partition.js";
  * A face's segment with its size and confidence, and its part if that is something else.
  * @param {Partition} partition
  * @param {number} face
- * @param {{ level: string, names: Record<string, string>, confidence: Float32Array | null }} context
+ * @param {{ level: string, names: Record<string, string>, confidence: Record<number, number> | null }} context
  */
 export function describeFace(partition, face, { level, names, confidence }) {
   const { part, segment, partFaces, segmentFaces, segmentArea } = describe(partition, face);

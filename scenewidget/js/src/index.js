@@ -3,9 +3,10 @@
 import { createEditing } from "./editing.js";
 import { listenToKeys } from "./keyboard.js";
 import { Labelling } from "./labelling.js";
+import { legendOf } from "./legend.js";
 import { createPanel } from "./panel.js";
 import { createPointing } from "./pointing.js";
-import { hiddenSegments, legendOf, listen, on, readMesh, summaryOf } from "./reading.js";
+import { hiddenSegments, listen, on, readMesh, summaryOf } from "./reading.js";
 import { segmentRows } from "./segments.js";
 import { watchTheme } from "./theme.js";
 import { Viewer } from "./viewer.js";
@@ -14,7 +15,7 @@ import { readArray } from "./wire.js";
 /** @typedef {import("./wire.js").Model} Model */
 
 const GEOMETRY = ["vertices", "faces", "vertex_colors"];
-const PARTITION = ["face_atom", "atom_part", "atom_segment", "segment_colors"];
+const PARTITION = ["face_atom", "atom_part", "atom_segment", "segment_colors", "atom_confidence"];
 const VALUES = ["face_value", "colormap"];
 
 /** Pieces of state, by what is taken when they change. */
@@ -147,7 +148,9 @@ function render({ model, el }) {
       colorBy: model.get("color_by"),
       hasScan: view.mesh?.colors != null,
       hasValues: readArray(model, "face_value") !== null,
+      valuesTitle: model.get("values_legend").title ?? "",
       hasPartition: view.partition !== null,
+      hasConfidence: view.partition?.atomConfidence != null,
       levels: model.get("levels"),
       level: model.get("level"),
       outlines: model.get("outlines"),

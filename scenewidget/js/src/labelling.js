@@ -1,5 +1,6 @@
 /** The segments as one page shows them: Python's, with the edits on top that it hasn't answered yet. */
 
+import { meanConfidence } from "./confidence.js";
 import { describeFace, segmentTitle } from "./description.js";
 import { canMerge, FINAL, NOTHING, Pending, replay } from "./editor.js";
 import { countSegments, makePartition, NONE } from "./partition.js";
@@ -35,13 +36,15 @@ export class Labelling {
     }
     const atomPart = /** @type {Uint32Array | null} */ (readArray(model, "atom_part"));
     const segmentColors = /** @type {Uint8Array | null} */ (readArray(model, "segment_colors"));
+    const atomConfidence = /** @type {Uint16Array | null} */ (readArray(model, "atom_confidence"));
     this.pending.answered(model.get("_answers"));
     this.ground = { faceAtom, parts: partsOf(model.get("levels"), atomPart, atomSegment.length) };
     const labels = { atomSegment, names: model.get("segment_names") };
     this.shown = replay(this.ground, labels, this.pending.operations);
     const level = this.level === FINAL ? -1 : model.get("levels").indexOf(this.level);
-    const tables = { faceAtom, atomSegment: this.shown.labels.atomSegment, atomPart, segmentColors };
-    view.setPartition(makePartition(tables, level, view.mesh));
+    const tables = { faceAtom, atomPart, segmentColors, atomConfidence };
+    const { atomSegment: segments } = this.shown.labels;
+    view.setPartition(makePartition({ ...tables, atomSegment: segments }, level, view.mesh));
   }
 
   get level() {
@@ -74,12 +77,11 @@ export class Labelling {
     return this.ground !== null && this.shown !== null && canMerge(this.ground, this.shown.labels, edit);
   }
 
-  /** Of each segment; null while edits wait for Python, whose numbers are of its own segments. */
+  /** Of each segment. While edits wait for Python, its numbers are of other segments. */
   get confidence() {
     const isSettled = this.pending.operations.length === 0;
-    return isSettled
-      ? /** @type {Float32Array | null} */ (readArray(this.model, "segment_confidence"))
-      : null;
+    if (isSettled) return /** @type {Float32Array | null} */ (readArray(this.model, "segment_confidence"));
+    return this.view.partition && meanConfidence(this.view.partition);
   }
 
   /** What the status line says of a face. @param {number} face */

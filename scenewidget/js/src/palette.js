@@ -41,7 +41,17 @@ export function hashedColor(number) {
  * @returns {[number, number, number]}
  */
 export function oklch(lightness, chroma, hue) {
-  const [a, b] = [chroma * Math.cos(hue), chroma * Math.sin(hue)];
+  return oklab(lightness, chroma * Math.cos(hue), chroma * Math.sin(hue));
+}
+
+/**
+ * sRGB bytes of an Oklab colour, cut off where the screen can't show it.
+ * @param {number} lightness  0 to 1
+ * @param {number} a
+ * @param {number} b
+ * @returns {[number, number, number]}
+ */
+export function oklab(lightness, a, b) {
   const l = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3;
   const m = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3;
   const s = (lightness - 0.0894841775 * a - 1.291485548 * b) ** 3;

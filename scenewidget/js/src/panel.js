@@ -2,6 +2,7 @@
 
 import { element, iconButton, textButton } from "./elements.js";
 import { AIM_HELP, EDIT_HELP, MODE_HELP, NAVIGATION_HELP } from "./keys.js";
+import { createLegend } from "./legend.js";
 import { createNaming } from "./naming.js";
 import { createRubber } from "./rubber.js";
 import { createSegmentList } from "./segmentlist.js";
@@ -23,7 +24,9 @@ import { createSegmentList } from "./segmentlist.js";
  * @property {string} colorBy
  * @property {boolean} hasScan
  * @property {boolean} hasValues
+ * @property {string} valuesTitle
  * @property {boolean} hasPartition
+ * @property {boolean} hasConfidence
  * @property {string[]} levels
  * @property {string} level
  * @property {boolean} outlines
@@ -42,7 +45,7 @@ import { createSegmentList } from "./segmentlist.js";
  * @property {number} nHidden  segments that aren't drawn
  * @property {string[]} vocabulary
  * @property {string} summary  shown at rest, with the status
- * @property {{ title?: string, low?: number, high?: number, colors: string[] } | null} legend
+ * @property {import("./legend.js").Legend | null} legend  of the colours shown
  */
 
 const REMARK_MS = 5000;
@@ -131,15 +134,7 @@ export function createPanel(host, actions) {
     [helpList, aimHelp, closeHelp],
   );
 
-  const legendTitle = element("div", { class: "sw-legend-title" });
-  const legendBar = element("div", { class: "sw-legend-bar" });
-  const legendLow = element("span");
-  const legendHigh = element("span");
-  const legend = element("div", { class: "sw-legend", hidden: "" }, [
-    legendTitle,
-    legendBar,
-    element("div", { class: "sw-legend-ends" }, [legendLow, legendHigh]),
-  ]);
+  const legend = createLegend();
 
   /** @type {Array<[string, import("./keys.js").PartAction, string]>} */
   const actsOn = [
@@ -190,7 +185,7 @@ export function createPanel(host, actions) {
     },
     [
       element("div", { class: "sw-stage" }, [
-        ...[canvas, rubber.element, aim, tools, legend, status, pickedBar, track, busy, error],
+        ...[canvas, rubber.element, aim, tools, legend.element, status, pickedBar, track, busy, error],
         ...[naming.element, helpCard],
       ]),
       list.element,
@@ -267,12 +262,13 @@ export function createPanel(host, actions) {
 
     /** @param {PanelState} state */
     update(state) {
-      const isPainted =
-        state.colorBy === "segments" || state.colorBy === "parts" || state.colorBy === "values";
+      const isPainted = state.colorBy !== "scan" && state.colorBy !== "shaded";
       options(colorBy, state.colorBy, [
         ["segments", "Segments", state.hasPartition],
         ["parts", "Parts", state.hasPartition && state.levels.length > 0],
-        ["values", state.legend?.title || "Values", state.hasValues],
+        ["confidence", "Confidence", state.hasConfidence],
+        ["values", state.valuesTitle || "Values", state.hasValues],
+        ["normals", "Normals", true],
         ["scan", "Scan", state.hasScan],
         ["shaded", "Plain", true],
       ]);
@@ -305,13 +301,7 @@ export function createPanel(host, actions) {
       errorText.textContent = state.error;
       error.hidden = state.error === "";
 
-      legend.hidden = state.colorBy !== "values" || !state.legend;
-      if (state.legend) {
-        legendTitle.textContent = state.legend.title ?? "";
-        legendBar.style.background = `linear-gradient(to right, ${state.legend.colors.join(", ")})`;
-        legendLow.textContent = numberText(state.legend.low ?? 0);
-        legendHigh.textContent = numberText(state.legend.high ?? 1);
-      }
+      legend.show(state.legend);
       modes.hidden = history.hidden = !state.editable;
       look.setAttribute("aria-pressed", String(state.mode === "navigate"));
       edit.setAttribute("aria-pressed", String(state.mode === "edit"));
@@ -401,9 +391,4 @@ function isPressed(button) {
 /** @param {string} text */
 function capitalized(text) {
   return text.charAt(0).toUpperCase() + text.slice(1);
-}
-
-/** @param {number} value */
-function numberText(value) {
-  return Number(value.toPrecision(3)).toLocaleString("en", { maximumSignificantDigits: 3 });
 }

@@ -4,6 +4,7 @@
  * Every face belongs to an atom, every atom to a segment and, at each level, to a part. NONE stands for -1.
  */
 
+import { confidenceColor, confidenceOf } from "./confidence.js";
 import { hashedColor, packColor } from "./palette.js";
 
 export const NONE = 0xffffffff;
@@ -16,9 +17,10 @@ export const NONE = 0xffffffff;
  * @property {Uint32Array} atomFaces  how many faces an atom has
  * @property {Float64Array} atomArea  in squares of the mesh's unit
  * @property {Uint8Array} segmentColors  three bytes a segment
+ * @property {Uint16Array | null} atomConfidence  0 = none, else 1 to 65535
  */
 
-/** @typedef {"segments" | "parts" | "scan" | "shaded" | "values"} ColorBy */
+/** @typedef {"segments" | "parts" | "confidence" | "normals" | "scan" | "shaded" | "values"} ColorBy */
 
 /**
  * @param {object} arrays
@@ -26,11 +28,13 @@ export const NONE = 0xffffffff;
  * @param {Uint32Array} arrays.atomSegment
  * @param {Uint32Array | null} arrays.atomPart  levels one after another
  * @param {Uint8Array | null} arrays.segmentColors
+ * @param {Uint16Array | null} [arrays.atomConfidence]
  * @param {number} level  index of the level; -1 = the segments as they are
  * @param {{ vertices: Float32Array, faces: Uint32Array } | null} [mesh]  to measure areas on
  * @returns {Partition}
  */
-export function makePartition({ faceAtom, atomSegment, atomPart, segmentColors }, level, mesh = null) {
+export function makePartition(arrays, level, mesh = null) {
+  const { faceAtom, atomSegment, atomPart, segmentColors, atomConfidence = null } = arrays;
   const nAtoms = atomSegment.length;
   const isThere = atomPart !== null && level >= 0 && atomPart.length >= (level + 1) * nAtoms;
   return {
@@ -39,6 +43,7 @@ export function makePartition({ faceAtom, atomSegment, atomPart, segmentColors }
     atomPart: isThere ? atomPart.subarray(level * nAtoms, (level + 1) * nAtoms) : atomSegment,
     ...measure(faceAtom, nAtoms, mesh),
     segmentColors: segmentColors ?? new Uint8Array(0),
+    atomConfidence: atomConfidence?.length === nAtoms ? atomConfidence : null,
   };
 }
 
@@ -115,7 +120,8 @@ export function countSegments(atomSegment) {
  * @param {Uint8Array | null} [hidden]  1 for each atom that isn't drawn
  * @returns {Uint32Array}
  */
-export function atomTable({ atomSegment, atomPart, segmentColors }, colorBy, hidden = null) {
+export function atomTable(partition, colorBy, hidden = null) {
+  const { atomSegment, atomPart, segmentColors, atomConfidence } = partition;
   const table = new Uint32Array(4 * atomSegment.length);
   for (let atom = 0; atom < atomSegment.length; atom++) {
     const [segment, part] = [atomSegment[atom], atomPart[atom]];
@@ -124,6 +130,13 @@ export function atomTable({ atomSegment, atomPart, segmentColors }, colorBy, hid
     table[4 * atom + 1] = part;
     table[4 * atom + 3] = 2 * (hidden?.[atom] ?? 0);
     if (key === NONE) continue;
+    if (colorBy === "confidence") {
+      const value = confidenceOf(atomConfidence?.[atom] ?? 0);
+      if (value === null) continue;
+      table[4 * atom + 2] = packColor(...confidenceColor(value));
+      table[4 * atom + 3] += 1;
+      continue;
+    }
     const known = colorBy !== "parts" && 3 * segment + 2 < segmentColors.length;
     table[4 * atom + 2] = known
       ? packColor(segmentColors[3 * segment], segmentColors[3 * segment + 1], segmentColors[3 * segment + 2])

@@ -44,15 +44,6 @@ export function hiddenSegments({ hidden, partition }) {
   return new Set(partition.atomSegment.filter((_, atom) => hidden[atom] === 1)).size;
 }
 
-/** @param {Model} model */
-export function legendOf(model) {
-  const colormap = readArray(model, "colormap");
-  if (!colormap) return null;
-  const colors = [];
-  for (let i = 0; i < 256; i += 15) colors.push(`rgb(${colormap.slice(3 * i, 3 * i + 3).join(" ")})`);
-  return { ...model.get("values_legend"), colors };
-}
-
 /**
  * Calls back when pieces of state have changed. Changes arrive one by one, also those that belong together:
  * they are taken all at once, when they are in.

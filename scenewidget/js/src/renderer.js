@@ -59,7 +59,7 @@ import {
 
 /**
  * @typedef {object} Look
- * @property {0 | 1 | 2 | 3} colorBy  table of atoms, scan, plain, values
+ * @property {0 | 1 | 2 | 3 | 4} colorBy  table of atoms, scan, plain, values, normals
  * @property {number} mixing
  * @property {boolean} outlines
  * @property {boolean} outlinesParts
@@ -87,7 +87,7 @@ export class SceneRenderer {
     this.three.autoClear = false;
     this.three.setClearColor(0x000000, 0);
     this.camera = new ThreeCamera();
-    this.faces = facesMaterial(false);
+    this.faces = facesMaterial();
     this.relief = screenMaterial(RELIEF_FRAGMENT, {
       depth: null,
       near: 0,
@@ -149,10 +149,7 @@ export class SceneRenderer {
   /** @param {MeshArrays} arrays */
   setMesh(arrays) {
     this.arrays = arrays;
-    this.faces.dispose();
-    this.faces = facesMaterial(arrays.colors !== null);
-    for (const name of ["faceAtom", "atoms"])
-      this.faces.uniforms[name].value = this.paints.uniforms[name].value;
+    if (arrays.colors) this.#define("HAS_COLORS", true);
     this.#uniform("hasScan", arrays.colors !== null);
     this.fine = this.#add(arrays.faces);
     this.numbers?.dispose();
@@ -181,10 +178,12 @@ export class SceneRenderer {
 
   /** Whether the table of atoms hides any. @param {boolean} hasHidden */
   setHidden(hasHidden) {
-    if (hasHidden === "HAS_HIDDEN" in this.faces.defines) return;
-    const { HAS_HIDDEN: _, ...defines } = this.faces.defines;
-    this.faces.defines = hasHidden ? { ...defines, HAS_HIDDEN: 1 } : defines;
-    this.faces.needsUpdate = true;
+    this.#define("HAS_HIDDEN", hasHidden);
+  }
+
+  /** Whether the faces' normals are drawn, in the place of the scan's colours. @param {boolean} hasNormals */
+  setNormals(hasNormals) {
+    this.#define("HAS_NORMALS", hasNormals);
   }
 
   /**
@@ -361,14 +360,23 @@ export class SceneRenderer {
    * @param {number} height
    */
   #numbersTarget(width, height) {
-    const count = this.arrays?.colors ? 2 : 1;
-    if (!this.numbers) {
+    const count = this.arrays?.colors || "HAS_NORMALS" in this.faces.defines ? 2 : 1;
+    if (this.numbers?.textures.length !== count) {
+      this.numbers?.dispose();
       this.numbers = new WebGLRenderTarget(width, height, { count, depthBuffer: true, ...nearest() });
       this.numbers.depthTexture = new DepthTexture(width, height, UnsignedIntType);
     }
     this.numbers.setSize(width, height);
     this.reliefTarget.setSize(width, height);
     return this.numbers;
+  }
+
+  /** Choose a variant of the first shader. @param {string} name @param {boolean} isOn */
+  #define(name, isOn) {
+    if (isOn === name in this.faces.defines) return;
+    const { [name]: _, ...defines } = this.faces.defines;
+    this.faces.defines = isOn ? { ...defines, [name]: 1 } : defines;
+    this.faces.needsUpdate = true;
   }
 
   /** @param {string} name @param {unknown} value */
@@ -384,13 +392,12 @@ export class SceneRenderer {
   }
 }
 
-/** @param {boolean} hasColors */
-function facesMaterial(hasColors) {
+function facesMaterial() {
   return new RawShaderMaterial({
     glslVersion: GLSL3,
     vertexShader: FACES_VERTEX,
     fragmentShader: FACES_FRAGMENT,
-    defines: hasColors ? { HAS_COLORS: 1 } : {},
+    defines: {},
     blending: NoBlending,
     uniforms: {
       projectionView: { value: new Matrix4() },

@@ -26,7 +26,7 @@ export const FIRST_DESCENDING = { name: false, faces: true, area: true, confiden
  * @param {Partition} partition
  * @param {object} context
  * @param {Record<string, string>} context.names
- * @param {ArrayLike<number> | null} context.confidence  a number a segment
+ * @param {Record<number, number> | null} context.confidence  by segment
  * @param {Uint8Array | null} context.hidden  1 for each atom that isn't drawn
  * @returns {Row[]}
  */

@@ -41,8 +41,11 @@ precision highp usampler2D;
 uniform usampler2D faceAtom, atoms;
 ivec2 cell(uint i, int width) { return ivec2(int(i) % width, int(i) / width); }
 #endif
-#ifdef HAS_COLORS
+#if defined(HAS_COLORS) || defined(HAS_NORMALS)
 layout(location = 1) out vec4 scan;
+#endif
+#ifdef HAS_NORMALS
+uniform vec3 right, up, forward;
 #endif
 const vec3 KEY = normalize(vec3(-0.4, 0.45, 0.8));
 const vec3 FILL = normalize(vec3(0.75, -0.15, 0.65));
@@ -59,7 +62,10 @@ void main() {
   float light = 0.7 * (0.42 + 0.58 * dot(normal, KEY)) + 0.3 * (0.3 + 0.7 * dot(normal, FILL));
   uvec3 bytes = uvec3(faceNumber, faceNumber >> 8, faceNumber >> 16) & 255u;
   numberAndLight = vec4(vec3(bytes) / 255.0, clamp(light, 0.0, 1.0));
-#ifdef HAS_COLORS
+#if defined(HAS_NORMALS)
+  vec3 facing = gl_FrontFacing ? plane : -plane;
+  scan = vec4(0.5 + 0.5 * (right * facing.x + up * facing.y - forward * facing.z), 1.0);
+#elif defined(HAS_COLORS)
   scan = vec4(scanColor, 1.0);
 #endif
 }`;
@@ -109,7 +115,7 @@ precision highp int;
 precision highp usampler2D;
 uniform sampler2D numbers, scan, relief, colormap;
 uniform usampler2D faceAtom, atoms, faceValue;
-uniform int colorBy; // 0 by the table, 1 scan, 2 plain, 3 values
+uniform int colorBy; // 0 by the table, 1 scan, 2 plain, 3 values, 4 normals, which come in the place of the scan
 uniform bool hasScan, hasPartition;
 uniform float mixing;
 uniform vec3 plain, unlabelled;
@@ -148,10 +154,12 @@ void main() {
     uint value = texelFetch(faceValue, cell(face - 1u, textureSize(faceValue, 0).x), 0).r;
     color = value == 0u ? unlabelled : texelFetch(colormap, ivec2(int((value - 1u) >> 8), 0), 0).rgb;
     color = mix(ground, color, mixing);
+  } else if (colorBy == 4) {
+    color = mix(plain, texelFetch(scan, place, 0).rgb, mixing);
   }
   float light = here.a * texelFetch(relief, place, 0).r;
   vec3 shadow = vec3(0.34, 0.35, 0.42);
-  float strength = colorBy == 1 ? 0.5 : 1.0; // a scan brings shadows of its own
+  float strength = colorBy == 1 || colorBy == 4 ? 0.5 : 1.0; // both bring shadows of their own
   painted = vec4(color * mix(vec3(1.0), mix(shadow, vec3(1.08, 1.07, 1.05), light), strength), 1.0);
   keys = atom.rg;
 }`;

@@ -45,7 +45,7 @@ const PICTURE = 1;
 const PAINT = 2;
 const FACES = 3;
 
-const COLOR_CODES = { segments: 0, parts: 0, scan: 1, shaded: 2, values: 3 };
+const COLOR_CODES = { segments: 0, parts: 0, confidence: 0, scan: 1, shaded: 2, values: 3, normals: 4 };
 
 export class Viewer {
   /**
@@ -159,7 +159,11 @@ export class Viewer {
     if (this.look.colorBy !== before.colorBy) this.#setTable();
     if (this.look.hovered !== before.hovered || this.look.target !== before.target) this.#blink();
     const isNew = (/** @type {keyof Viewer["look"]} */ name) => this.look[name] !== before[name];
-    if (isNew("backFaces")) this.#draw(FACES);
+    const hasNormals = this.look.colorBy === "normals";
+    if (hasNormals !== (before.colorBy === "normals")) {
+      this.renderer.setNormals(hasNormals);
+      this.#draw(FACES);
+    } else if (isNew("backFaces")) this.#draw(FACES);
     else if (isNew("colorBy") || isNew("mixing") || isNew("isDark")) this.#draw(PAINT);
     else if (isNew("outlines") || isNew("hovered") || isNew("picked") || isNew("target")) this.#draw(PICTURE);
   }
@@ -493,11 +497,11 @@ export class Viewer {
     const { colorBy, mixing, outlines, isDark, hovered, picked, target } = this.look;
     const phase = (performance.now() - (this.blinkBegan ?? 0)) / BLINK_MS;
     return {
-      colorBy: /** @type {0 | 1 | 2 | 3} */ (
+      colorBy: /** @type {0 | 1 | 2 | 3 | 4} */ (
         colorBy === "scan" && !this.mesh?.colors ? 2 : COLOR_CODES[colorBy]
       ),
       mixing,
-      outlines: outlines && (colorBy === "segments" || colorBy === "parts"),
+      outlines: outlines && ["segments", "parts", "confidence"].includes(colorBy),
       outlinesParts: colorBy === "parts",
       hovered: this.isMoving ? NONE : hovered,
       picked,

@@ -1,0 +1,93 @@
+/** What the colours mean: a bar from low to high, or a row of samples with their names. */
+
+import { confidenceColor } from "./confidence.js";
+import { element } from "./elements.js";
+import { readArray } from "./wire.js";
+
+/**
+ * @typedef {object} Legend
+ * @property {string} title
+ * @property {string[]} [colors]  along a bar
+ * @property {[string, string]} [ends]  of the bar
+ * @property {Array<[string, string]>} [samples]  colour and name
+ */
+
+const N_STOPS = 18;
+/** Directions and their names, as the shader colours them: half plus half the normal. @type {Array<[number[], string]>} */
+const DIRECTIONS = [
+  [[1, 0, 0], "+x"],
+  [[-1, 0, 0], "−x"],
+  [[0, 1, 0], "+y"],
+  [[0, -1, 0], "−y"],
+  [[0, 0, 1], "up"],
+  [[0, 0, -1], "down"],
+];
+
+/**
+ * The legend of what is shown; null if its colours need none.
+ * @param {import("./wire.js").Model} model
+ * @returns {Legend | null}
+ */
+export function legendOf(model) {
+  switch (model.get("color_by")) {
+    case "values": {
+      const colormap = readArray(model, "colormap");
+      if (!colormap) return null;
+      const { title = "", low = 0, high = 1 } = model.get("values_legend");
+      const colors = [];
+      for (let i = 0; i < 256; i += 15) colors.push(`rgb(${colormap.slice(3 * i, 3 * i + 3).join(" ")})`);
+      return { title, colors, ends: [numberText(low), numberText(high)] };
+    }
+    case "confidence": {
+      const at = (/** @type {number} */ i) => `rgb(${confidenceColor(i / (N_STOPS - 1)).join(" ")})`;
+      return {
+        title: "Confidence",
+        colors: Array.from({ length: N_STOPS }, (_, i) => at(i)),
+        ends: ["0 unsure", "1 sure"],
+      };
+    }
+    case "normals": {
+      const color = (/** @type {number[]} */ normal) =>
+        `rgb(${normal.map((x) => Math.round(127.5 + 127.5 * x)).join(" ")})`;
+      return {
+        title: "Facing",
+        samples: DIRECTIONS.map(([normal, name]) => [color(normal), name]),
+      };
+    }
+    default:
+      return null;
+  }
+}
+
+export function createLegend() {
+  const title = element("div", { class: "sw-legend-title" });
+  const bar = element("div", { class: "sw-legend-bar" });
+  const [low, high] = [element("span"), element("span")];
+  const ends = element("div", { class: "sw-legend-ends" }, [low, high]);
+  const samples = element("div", { class: "sw-legend-samples" });
+  const box = element("div", { class: "sw-legend", hidden: "" }, [title, bar, ends, samples]);
+  return {
+    element: box,
+    /** @param {Legend | null} legend */
+    show(legend) {
+      box.hidden = legend === null;
+      if (!legend) return;
+      title.textContent = legend.title;
+      bar.hidden = ends.hidden = !legend.colors;
+      if (legend.colors) bar.style.background = `linear-gradient(to right, ${legend.colors.join(", ")})`;
+      [low.textContent, high.textContent] = legend.ends ?? ["", ""];
+      samples.replaceChildren(
+        ...(legend.samples ?? []).map(([color, name]) => {
+          const swatch = element("span", { class: "sw-swatch" });
+          swatch.style.background = color;
+          return element("span", {}, [swatch, name]);
+        }),
+      );
+    },
+  };
+}
+
+/** @param {number} value */
+function numberText(value) {
+  return Number(value.toPrecision(3)).toLocaleString("en", { maximumSignificantDigits: 3 });
+}
