@@ -12,9 +12,10 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
+from scenewidget.engine.family import Family
 from scenewidget.engine.mesh import FloatArray, IntArray
 
-__all__ = ["adjacent_segments", "are_distinct", "choose_colors", "inherited_colors", "palette"]
+__all__ = ["adjacent_segments", "are_distinct", "choose_colors", "conflicts", "inherited_colors", "palette"]
 
 UNLABELLED = -1
 
@@ -75,18 +76,24 @@ def choose_colors(
 
 
 def inherited_colors(
-    labels: IntArray, n_segments: int, before: IntArray, colors_before: IntArray
+    labels: IntArray,
+    n_segments: int,
+    before: IntArray,
+    colors_before: IntArray,
+    sizes: IntArray | None = None,
 ) -> IntArray:
     """Colours that segments keep from an earlier labelling, (n_segments,); -1 for new ones.
 
     Largest overlap first, each old colour goes to one segment at most, so a merged segment keeps the colour
-    of its larger part and the larger part of a split one keeps the colour of the whole.
+    of its larger part and the larger part of a split one keeps the colour of the whole. ``sizes`` are how
+    many faces each entry stands for, 1 by default.
     """
     colors = np.full(n_segments, -1)
     is_both = (labels >= 0) & (before >= 0)
     n_before = len(colors_before)
     codes = labels[is_both].astype(np.int64) * n_before + before[is_both]
-    pairs, overlap = np.unique(codes, return_counts=True)
+    pairs, index = np.unique(codes, return_inverse=True)
+    overlap = np.bincount(index, None if sizes is None else sizes[is_both], len(pairs))
     is_taken = np.zeros(n_before, np.bool_)
     for pair in pairs[np.argsort(-overlap, kind="stable")]:
         segment, old = divmod(int(pair), n_before)
@@ -94,6 +101,24 @@ def inherited_colors(
             colors[segment] = colors_before[old]
             is_taken[old] = True
     return colors
+
+
+def conflicts(family: Family, pairs: IntArray) -> IntArray:
+    """Pieces of a family that stand for touching segments in any of its cuts, (n_pairs, 2).
+
+    Parameters
+    ----------
+    pairs : (n, 2) int
+        Items that touch.
+    """
+    ends = family.piece[pairs]
+    ends = ends[(ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)]
+    touches = np.zeros((family.most, family.most), np.bool_)
+    touches[ends[:, 0], ends[:, 1]] = touches[ends[:, 1], ends[:, 0]] = True
+    for kept, gone in family.merges:
+        touches[kept] |= touches[gone]
+        touches[:, kept] = touches[kept]
+    return np.argwhere(np.triu(touches, 1))
 
 
 def are_distinct(color: int, others: IntArray) -> bool:

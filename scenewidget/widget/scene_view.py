@@ -31,6 +31,8 @@ State, synced both ways (observe or set any of them)
     Names to choose from when a segment is named.
 ``undo_title``, ``redo_title`` : str
     Name of the step that Undo and Redo would take; ``""`` = there is none.
+``camera_group`` : str
+    Views on a page with the same name here look the same way and point at the same place; ``""`` = none does.
 ``height`` : pixels
 ``busy`` : bool
     While True a slim progress bar, ``status`` and a Cancel button lie over the picture.
@@ -47,8 +49,8 @@ Methods
 -------
 ``set_partition(levels, segments, names=None)``, ``set_segments(segments, names=None)``,
 ``clear_partition()``, ``set_values(values, ...)``, ``answer(message)``, ``fit()``, ``look_from_above()``,
-``reset()``, ``to_html(path)``; ``segment_colors`` is the (n_segments, 3) uint8 table in use, for legends
-and lists.
+``reset()``, ``to_html(path)``, ``show_preview(items, labels)``, ``end_preview()``, ``set_family(family)``;
+``segment_colors`` is the (n_segments, 3) uint8 table in use, for legends and lists.
 
 Messages from the browser, received with ``view.on_msg(lambda view, message, buffers: ...)``
 ---------------------------------------------------------------------------------------------
@@ -82,12 +84,15 @@ import numpy.typing as npt
 import traitlets
 
 from scenewidget.engine.atoms import Atoms, common_refinement
+from scenewidget.engine.family import Family
+from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.widget.page import make_page
 from scenewidget.widget.palette import (
     adjacent_segments,
     are_distinct,
     choose_colors,
+    conflicts,
     inherited_colors,
     palette,
 )
@@ -97,6 +102,7 @@ __all__ = ["SceneView"]
 STATIC = Path(__file__).parent.parent / "static"
 N_SPARE = 6  # colours for segments that the browser makes before Python knows of them
 MAX_CLIENTS = 32  # pages that show a view at the same time
+NOT_SAVED = {"face_item", "preview_segment", "preview_colors", "face_piece", "family_merges", "family_colors"}
 UNLABELLED = 0xFFFFFFFF  # -1 in the tables that cross to the browser
 
 
@@ -128,6 +134,7 @@ class SceneView(anywidget.AnyWidget):
     vocabulary = traitlets.List(traitlets.Unicode()).tag(sync=True)
     undo_title = traitlets.Unicode().tag(sync=True)
     redo_title = traitlets.Unicode().tag(sync=True)
+    camera_group = traitlets.Unicode().tag(sync=True)
     height = traitlets.Int(560, min=120).tag(sync=True)
     busy = traitlets.Bool(False).tag(sync=True)
     progress = traitlets.Float(0.0, min=-1.0, max=1.0).tag(sync=True)
@@ -141,6 +148,8 @@ class SceneView(anywidget.AnyWidget):
     values_legend = traitlets.Dict(read_only=True).tag(sync=True)
 
     _camera = traitlets.Dict().tag(sync=True)  # as it last stood still on any page
+    _channel = traitlets.Unicode().tag(sync=True)  # on which controls speak to it
+    _is_preview = traitlets.Bool(False).tag(sync=True)
     _answers = traitlets.Dict().tag(sync=True)  # number of the last message dealt with, by client
 
     # arrays; _headers says dtype and shape of each
@@ -156,6 +165,12 @@ class SceneView(anywidget.AnyWidget):
     _atom_confidence = traitlets.Bytes().tag(sync=True)
     _face_value = traitlets.Bytes().tag(sync=True)
     _colormap = traitlets.Bytes().tag(sync=True)
+    _face_item = traitlets.Bytes().tag(sync=True)
+    _preview_segment = traitlets.Bytes().tag(sync=True)
+    _preview_colors = traitlets.Bytes().tag(sync=True)
+    _face_piece = traitlets.Bytes().tag(sync=True)
+    _family_merges = traitlets.Bytes().tag(sync=True)
+    _family_colors = traitlets.Bytes().tag(sync=True)
 
     def __init__(self, mesh: Mesh, **options: Any) -> None:
         if not isinstance(mesh, Mesh):
@@ -174,6 +189,7 @@ class SceneView(anywidget.AnyWidget):
         self._color_rows: IntArray = np.zeros(0, np.int64)
         self._spare_rows: IntArray = np.zeros(0, np.int64)
         self._row_of_id: dict[int, int] = {}
+        self._preview_items: Items | None = None
         arrays = _geometry(mesh)
         if mesh.vertex_colors is not None:
             options.setdefault("color_by", "scan")
@@ -364,6 +380,69 @@ class SceneView(anywidget.AnyWidget):
             self.set_trait("values_legend", {"title": title, "low": low, "high": high})
             self.color_by = "values"
 
+    def show_preview(self, items: Items, item_labels: IntArray) -> None:
+        """Show other segments for the moment; those of `set_partition` come back with `end_preview`.
+
+        Nothing can be edited meanwhile. While the items stay the same object, a preview sends only a table of
+        them. Colours go with the segments that are covered.
+
+        Parameters
+        ----------
+        items : Items
+        item_labels : (n_items,) int
+        """
+        with self.hold_sync():
+            if items is not self._preview_items:
+                self._preview_items = items
+                self._put("face_item", _compact(items.face_map, items.n))
+            colors = self._item_colors(items, item_labels)
+            self._put("preview_segment", _unlabelled_as_most(np.append(item_labels, -1)))
+            self._put("preview_colors", palette()[colors])
+            self._is_preview = True
+
+    def end_preview(self) -> None:
+        """Show the segments again."""
+        self._is_preview = False
+
+    def set_family(self, family: Family | None) -> None:
+        """Nested segmentations that a slider on the same channel may show as a preview; None takes them away.
+
+        A segment of a coarser cut has the colour of the largest that it is made of, and those of the
+        family's own segmentation have the colours that they are shown in now.
+        """
+        with self.hold_sync():
+            if family is None:
+                self._put("family_merges", np.zeros(0, np.uint32))
+                return
+            run, items = family.segmentation, family.segmentation.items
+            if items is None or run.item_labels is None:
+                raise ValueError("the family's segmentation must know its items")
+            labels, has_piece = run.item_labels, family.piece >= 0
+            home = np.full(family.most, -1)  # segment of each piece
+            home[family.piece[has_piece]] = labels[has_piece]
+            known = np.full(family.most, -1)
+            stands = np.unique(family.groups(run.n_segments))
+            known[stands] = self._item_colors(items, labels)[home[stands]]
+            piece = np.append(family.piece, np.int32(-1))[items.face_map]
+            shares = np.bincount(piece[piece >= 0], minlength=family.most) / self.mesh.n_faces
+            colors = choose_colors(family.most, conflicts(family, items.pairs), shares, known)
+            self._put("face_piece", _compact(piece, family.most))
+            self._put("family_merges", family.merges.astype(np.uint32))
+            self._put("family_colors", palette()[colors])
+
+    def _item_colors(self, items: Items, item_labels: IntArray) -> IntArray:
+        """A row of the palette for each segment over items, as near as can be to what is shown."""
+        n = int(item_labels.max(initial=-1)) + 1
+        labels = np.append(item_labels, -1)[items.face_map]
+        shares = np.bincount(labels[labels >= 0], minlength=n) / self.mesh.n_faces
+        ends = item_labels[items.pairs]
+        ends = ends[(ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)]
+        known = None
+        if self._atoms is not None:
+            of_atoms = labels[self._atoms.first_face]
+            known = inherited_colors(of_atoms, n, self._table, self._color_rows, self._atom_faces)
+        return choose_colors(n, np.unique(ends, axis=0), shares, known)
+
     def fit(self) -> None:
         """Bring the whole scan into the picture, from where it is looked at now."""
         self.send({"kind": "look", "from": "here"})
@@ -396,6 +475,7 @@ class SceneView(anywidget.AnyWidget):
         arrays = {
             name: np.frombuffer(getattr(self, f"_{name}"), header["dtype"]).reshape(header["shape"])
             for name, header in self._headers.items()
+            if name not in NOT_SAVED
         }
         state = {name: getattr(self, name) for name in self.traits(sync=True) if name in _own_names()}
         state |= {"editable": False, "mode": "navigate", "busy": False, "status": "", "error": ""}
@@ -519,6 +599,11 @@ class SceneView(anywidget.AnyWidget):
     def _put(self, name: str, array: npt.NDArray[Any]) -> None:
         self._headers = {**self._headers, name: _header(array)}
         setattr(self, f"_{name}", array.tobytes())
+
+
+def _compact(labels: IntArray, n: int) -> npt.NDArray[Any]:
+    """(n_faces,) labels in as few bytes as they need, n for those without."""
+    return np.where(labels >= 0, labels, n).astype(np.uint16 if n < 2**16 else np.uint32)
 
 
 def _geometry(mesh: Mesh) -> dict[str, npt.NDArray[Any]]:

@@ -314,7 +314,9 @@ def test_only_a_mesh_can_be_shown():
 
 
 def test_an_unknown_option_is_named_with_those_there_are():
-    with pytest.raises(TypeError, match=r"no option 'colour'; there are: back_faces, busy, color_by"):
+    with pytest.raises(
+        TypeError, match=r"no option 'colour'; there are: back_faces, busy, camera_group, color_by"
+    ):
         SceneView(grid_square(2), colour="red")
 
 

@@ -6,6 +6,8 @@ import { NONE } from "./partition.js";
 
 /** @typedef {import("./gestures.js").Place} Place */
 
+const PREVIEW = "This is a preview: let go of the slider, and edit the result";
+
 /**
  * @param {object} around
  * @param {import("./wire.js").Model} around.model
@@ -20,6 +22,10 @@ import { NONE } from "./partition.js";
 export function createEditing({ model, view, panel, labelling }, { onEdit, onHide, letGo }) {
   /** Show an edit and tell Python of it, unless it makes no sense. @param {import("./editor.js").Edit} operation */
   function edit(operation) {
+    if (labelling.isPreview) {
+      panel.remark(PREVIEW);
+      return;
+    }
     const { ground, shown } = labelling;
     const revision = model.get("revision");
     if (!model.get("editable") || !ground || !shown) {
@@ -33,6 +39,10 @@ export function createEditing({ model, view, panel, labelling }, { onEdit, onHid
 
   /** Undo or redo. @param {"undo" | "redo"} kind */
   function walk(kind) {
+    if (labelling.isPreview) {
+      panel.remark(PREVIEW);
+      return;
+    }
     if (!model.get("editable")) model.send({ kind });
     else queue({ kind }, {});
   }

@@ -4,8 +4,10 @@ import { createEditing } from "./editing.js";
 import { listenToKeys } from "./keyboard.js";
 import { Labelling } from "./labelling.js";
 import { legendOf } from "./legend.js";
+import { createLinking } from "./linking.js";
 import { createPanel } from "./panel.js";
 import { createPointing } from "./pointing.js";
+import { Preview } from "./preview.js";
 import { hiddenSegments, listen, on, readMesh, summaryOf } from "./reading.js";
 import { segmentRows } from "./segments.js";
 import { watchTheme } from "./theme.js";
@@ -17,11 +19,15 @@ import { readArray } from "./wire.js";
 const GEOMETRY = ["vertices", "faces", "vertex_colors"];
 const PARTITION = ["face_atom", "atom_part", "atom_segment", "segment_colors", "atom_confidence"];
 const VALUES = ["face_value", "colormap"];
+const PREVIEW = [
+  ...["face_item", "preview_segment", "preview_colors", "is_preview"],
+  ...["face_piece", "family_merges", "family_colors"],
+];
 
 /** Pieces of state, by what is taken when they change. */
 const GROUPS = {
   geometry: arrays(GEOMETRY),
-  partition: [...arrays(PARTITION), "levels", "level", "segment_names", "_answers"],
+  partition: [...arrays(PARTITION), ...arrays(PREVIEW), "levels", "level", "segment_names", "_answers"],
   values: arrays(VALUES),
   state: [
     ...["color_by", "color_mix", "outlines", "back_faces", "height", "mode", "editable", "vocabulary"],
@@ -77,11 +83,14 @@ function render({ model, el }) {
       onMove: () => {
         root.dataset.moving = "true";
         pointing.stretch();
+        linking.place();
       },
+      onCamera: (camera) => linking.moved(camera),
       onRest: () => {
         root.dataset.moving = "false";
         pointing.point();
         pointing.stretch();
+        linking.place();
         keepCamera();
       },
     });
@@ -95,9 +104,11 @@ function render({ model, el }) {
   const view = viewer;
   const camera = model.get("_camera");
   if (camera?.target) view.first = camera;
-  const labelling = new Labelling(model, view);
+  const preview = new Preview(model, () => take(new Set(/** @type {const} */ (["partition"]))), signal);
+  const labelling = new Labelling(model, view, preview);
   const around = { model, view, panel, labelling, signal };
-  const pointing = createPointing(around, (operation) => editing.edit(operation));
+  const linking = createLinking(around, (face) => pointing.follow(face));
+  const pointing = createPointing(around, (operation) => editing.edit(operation), linking.pointed);
   const editing = createEditing(around, {
     onEdit: () => take(new Set(/** @type {const} */ (["partition"]))),
     onHide: () => take(new Set()),
@@ -134,6 +145,8 @@ function render({ model, el }) {
   function takeState() {
     root.style.height = `${model.get("height")}px`;
     root.dataset.segments = String(labelling.count);
+    root.dataset.preview = String(labelling.isPreview);
+    panel.preview.hidden = !labelling.isPreview;
     if (root.dataset.mode !== model.get("mode")) {
       root.dataset.mode = model.get("mode");
       pointing.letGo();

@@ -13,15 +13,19 @@ export class Labelling {
   /**
    * @param {Model} model
    * @param {Viewer} view
+   * @param {import("./preview.js").Preview} preview
    */
-  constructor(model, view) {
+  constructor(model, view, preview) {
     this.model = model;
     this.view = view;
+    this.preview = preview;
     this.pending = new Pending(Math.random().toString(36).slice(2, 10));
     /** @type {import("./editor.js").Ground | null} */
     this.ground = null;
     /** @type {ReturnType<typeof replay> | null} */
     this.shown = null;
+    /** Whether something else is shown for the moment. */
+    this.isPreview = false;
   }
 
   /** Take what the model holds and show it. */
@@ -41,6 +45,12 @@ export class Labelling {
     this.ground = { faceAtom, parts: partsOf(model.get("levels"), atomPart, atomSegment.length) };
     const labels = { atomSegment, names: model.get("segment_names") };
     this.shown = replay(this.ground, labels, this.pending.operations);
+    const preview = this.preview.tables();
+    this.isPreview = preview !== null;
+    if (preview) {
+      view.setPartition(makePartition({ ...preview, atomPart: null }, -1, view.mesh));
+      return;
+    }
     const level = this.level === FINAL ? -1 : model.get("levels").indexOf(this.level);
     const tables = { faceAtom, atomPart, segmentColors, atomConfidence };
     const { atomSegment: segments } = this.shown.labels;
@@ -52,12 +62,12 @@ export class Labelling {
   }
 
   get count() {
-    return this.shown ? countSegments(this.shown.labels.atomSegment) : 0;
+    return this.view.partition ? countSegments(this.view.partition.atomSegment) : 0;
   }
 
   /** Names by segment. @returns {Record<string, string>} */
   get names() {
-    return this.shown?.labels.names ?? {};
+    return this.isPreview ? {} : (this.shown?.labels.names ?? {});
   }
 
   /** Name of the step that undo would take; null = there is none. @returns {string | null} */
@@ -79,6 +89,7 @@ export class Labelling {
 
   /** Of each segment. While edits wait for Python, its numbers are of other segments. */
   get confidence() {
+    if (this.isPreview) return null;
     const isSettled = this.pending.operations.length === 0;
     if (isSettled) return /** @type {Float32Array | null} */ (readArray(this.model, "segment_confidence"));
     return this.view.partition && meanConfidence(this.view.partition);

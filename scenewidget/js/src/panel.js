@@ -164,6 +164,8 @@ export function createPanel(host, actions) {
   const list = createSegmentList(actions.list);
   const aim = element("div", { class: "sw-aim", "aria-hidden": "true", hidden: "" });
 
+  const preview = element("div", { class: "sw-preview", role: "status", hidden: "" }, ["Preview"]);
+
   const root = element(
     "div",
     {
@@ -185,7 +187,19 @@ export function createPanel(host, actions) {
     },
     [
       element("div", { class: "sw-stage" }, [
-        ...[canvas, rubber.element, aim, tools, legend.element, status, pickedBar, track, busy, error],
+        ...[
+          canvas,
+          preview,
+          rubber.element,
+          aim,
+          tools,
+          legend.element,
+          status,
+          pickedBar,
+          track,
+          busy,
+          error,
+        ],
         ...[naming.element, helpCard],
       ]),
       list.element,
@@ -243,6 +257,7 @@ export function createPanel(host, actions) {
     rubber,
     naming,
     aim,
+    preview,
     list,
 
     /** Say something for a few seconds, beside whatever else is shown. @param {string} text */

@@ -19,14 +19,17 @@ const SCROLL_PAUSE_MS = 200;
  * @param {import("./labelling.js").Labelling} around.labelling
  * @param {AbortSignal} around.signal
  * @param {(edit: import("./editor.js").Edit) => void} edit
+ * @param {(face: number | null, at: Vec3 | null) => void} onPoint  the pointer is on another face, or on none
  */
-export function createPointing({ model, view, panel, labelling, signal }, edit) {
+export function createPointing({ model, view, panel, labelling, signal }, edit, onPoint) {
   const { root, canvas } = panel;
   /** Where the pointer is; null when it is elsewhere. @type {Place | null} */
   let pointer = null;
   let gesture = IDLE;
   /** @type {number | null} */
   let hoveredFace = null;
+  /** Face that a linked view points at. @type {number | null} */
+  let linked = null;
   /** Segment that the list points at. @type {number | null} */
   let listed = null;
   /** Whether keys were used last: without a pointer they aim at the middle. */
@@ -43,8 +46,10 @@ export function createPointing({ model, view, panel, labelling, signal }, edit) 
   function point(isForced = false) {
     const place = aimed();
     const isPointing = ["idle", "press", "link"].includes(gesture.phase);
-    const face = place && isPointing ? view.faceAt(place) : null;
+    const own = place && isPointing ? view.faceAt(place) : null;
+    const face = own ?? (place || view.isMoving ? null : linked);
     if (face === hoveredFace && !isForced) return;
+    if (face !== hoveredFace) onPoint(own, own === null || !place ? null : view.pointAt(place));
     hoveredFace = face;
     const from = gesture.phase === "link" ? gesture.from : gesture.picked;
     const part = face === null ? NONE : view.partOf(face);
@@ -217,6 +222,12 @@ export function createPointing({ model, view, panel, labelling, signal }, edit) 
     chooseSegment,
     aimed,
     showAim,
+
+    /** Show what a linked view points at. @param {number | null} face */
+    follow(face) {
+      linked = face;
+      point();
+    },
 
     /** The picked part and where it was taken, if there is one. */
     picked() {

@@ -55,13 +55,15 @@ export class Viewer {
    * @param {(error: unknown) => void} events.onFailure  nothing more will be drawn
    * @param {() => void} events.onMove  what lies under the pointer is not known for now
    * @param {() => void} events.onRest  it is known again, and may have changed
+   * @param {(camera: Camera) => void} [events.onCamera]  it has been moved, by other means than `follow`
    */
-  constructor(canvas, { onFirstFrame, onFailure, onMove, onRest }) {
+  constructor(canvas, { onFirstFrame, onFailure, onMove, onRest, onCamera }) {
     this.canvas = canvas;
     this.onFirstFrame = onFirstFrame;
     this.onFailure = onFailure;
     this.onMove = onMove;
     this.onRest = onRest;
+    this.onCamera = onCamera;
     this.renderer = new SceneRenderer(canvas);
     /** @type {Camera} */
     this.camera = { target: [0, 0, 0], yaw: -1, pitch: 0.7, distance: 1 };
@@ -330,6 +332,13 @@ export class Viewer {
     return fit(camera, this.sample?.points ?? new Float32Array(0), width / Math.max(1, height));
   }
 
+  /** Look as another view does. @param {Camera} camera */
+  follow(camera) {
+    this.flight = null;
+    this.camera = camera;
+    this.#changed();
+  }
+
   /** @param {Camera} camera */
   #move(camera) {
     this.flight = null;
@@ -338,6 +347,11 @@ export class Viewer {
   }
 
   #moved() {
+    this.onCamera?.(this.camera);
+    this.#changed();
+  }
+
+  #changed() {
     this.isMoving = true;
     this.#awaitRest();
     this.#draw();
