@@ -34,6 +34,7 @@ __all__ = [
     "VERSION",
     "insert_operations",
     "load_project",
+    "read_summary",
     "write_project",
     "write_segmentation",
 ]
@@ -222,6 +223,18 @@ def load_project(connection: sqlite3.Connection, name: str, *, recover: bool) ->
         operations=tuple(operations),
         n_lost=n_lost,
     )
+
+
+def read_summary(connection: sqlite3.Connection) -> tuple[Fingerprint, int, float]:
+    """The mesh's fingerprint, how many edits are done, and when the last one was made, undone or redone."""
+    row = connection.execute("SELECT value, digest FROM fact WHERE key = 'fingerprint'").fetchone()
+    if row is None or row[1] != _digest(b"", "fingerprint", row[0]):
+        raise ProjectError("its entry 'fingerprint' was changed")
+    n_steps, last_time = connection.execute(
+        "SELECT SUM(CASE action WHEN 'undo' THEN -1 ELSE 1 END), MAX(time) FROM operation"
+        " WHERE action IN ('edit', 'undo', 'redo')"
+    ).fetchone()
+    return Fingerprint.from_dict(json.loads(row[0])), int(n_steps or 0), float(last_time or 0.0)
 
 
 def _load_operations(

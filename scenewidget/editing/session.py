@@ -187,8 +187,8 @@ class Session:
             )
         if params is not None and not isinstance(params, Params):
             raise TypeError(f"params must be a Params, got {type(params).__name__}")
-        self._source = str(Path(mesh).absolute()) if isinstance(mesh, (str, os.PathLike)) else ""
         self.mesh: Mesh = load_mesh(mesh)
+        self._source = self.mesh.source
         self._params = params
         self._vocabulary = checked_vocabulary(vocabulary)
         self._lock = threading.RLock()
@@ -550,6 +550,11 @@ class Session:
         return self._file is not None and self._file.read_only
 
     @property
+    def file_reason(self) -> str:
+        """Why the file can't be written: who works on it, no permission; "" if it can."""
+        return "" if self._file is None else self._file.read_only_reason
+
+    @property
     def is_saved(self) -> bool:
         """Whether every operation is on disk."""
         with self._lock:
@@ -637,11 +642,9 @@ class Session:
         file = ProjectFile.open(Path(path))
         try:
             project = file.load(recover=recover)
-            source = ""
             if mesh is not None:
-                if isinstance(mesh, (str, os.PathLike)):
-                    source = str(Path(mesh).absolute())
                 mesh = load_mesh(mesh)
+                source = mesh.source
                 if fingerprint(mesh) != project.fingerprint:
                     raise ProjectError(
                         f"{file.path.name!r} belongs to another mesh: it was made on one of "

@@ -15,9 +15,11 @@ import threading
 import weakref
 import zlib
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from scenewidget.editing.files import FileLock, explain, replacing
+from scenewidget.editing.fingerprint import Fingerprint
 from scenewidget.editing.project import Operation, Project, ProjectError
 from scenewidget.editing.schema import (
     APPLICATION_ID,
@@ -25,16 +27,53 @@ from scenewidget.editing.schema import (
     VERSION,
     insert_operations,
     load_project,
+    read_summary,
     write_project,
     write_segmentation,
 )
 
-__all__ = ["ProjectFile"]
+__all__ = ["ProjectFile", "Summary", "summary_of"]
 
 TABLES = {"table fact", "table array", "table operation", "index sqlite_autoindex_array_1"}
 _open_files: weakref.WeakValueDictionary[str, ProjectFile] = weakref.WeakValueDictionary()
 _registry_lock = threading.Lock()
 _of_parents: list[sqlite3.Connection] = []  # connections that a fork carried over, never to be touched
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a project file is about, without opening it."""
+
+    path: Path
+    fingerprint: Fingerprint
+    n_steps: int  # edits that are done
+    last_time: float  # of the last edit, undo or redo, seconds since 1970 (UTC)
+
+
+def summary_of(path: Path) -> Summary:
+    """What is in a project file; takes no lock, writes nothing, reads a few rows.
+
+    Raises
+    ------
+    OSError, ProjectError
+        Not there, no project, damaged, or of a newer version.
+    """
+    path = path.absolute()
+    has_log = path.with_name(path.name + "-wal").exists()
+    with _reading(path):
+        uri = f"{path.as_uri()}?mode=ro" + ("" if has_log else "&immutable=1")
+        connection = sqlite3.connect(uri, uri=True, isolation_level=None, timeout=1)
+        try:
+            connection.execute("PRAGMA trusted_schema=OFF")
+            connection.set_authorizer(_allow)
+            if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
+                raise ProjectError(f"{path.name!r} is no project file of scenewidget")
+            if not 1 <= connection.execute("PRAGMA user_version").fetchone()[0] <= VERSION:
+                raise ProjectError(f"{path.name!r} was written by a newer scenewidget, or is damaged")
+            found, n_steps, last_time = read_summary(connection)
+        finally:
+            connection.close()
+    return Summary(path, found, n_steps, last_time)
 
 
 class ProjectFile:

@@ -58,6 +58,8 @@ class Mesh:
         Vertex indices, counter-clockwise seen from the side that the normal points to.
     vertex_colors : (n_vertices, 3) uint8, optional
         Red, green, blue as scanned.
+    source : str
+        The file that it was loaded from, "" if from none.
 
     Raises
     ------
@@ -70,6 +72,7 @@ class Mesh:
     vertices: FloatArray
     faces: IntArray
     vertex_colors: npt.NDArray[np.uint8] | None = None
+    source: str = ""
 
     def __post_init__(self) -> None:
         vertices = _number_array("vertices", self.vertices)
@@ -353,10 +356,10 @@ def _load_file(path: Path) -> Mesh:
         )
     if n_faces == 0:
         raise MeshError(f"{path.name!r} holds no triangles, only points or curves; a surface mesh is needed")
-    return _from_trimesh(loaded)
+    return _from_trimesh(loaded, str(path.absolute()))
 
 
-def _from_trimesh(loaded: Any) -> Mesh:
+def _from_trimesh(loaded: Any, source: str = "") -> Mesh:
     colors = None
     visual = getattr(loaded, "visual", None)
     if visual is not None and getattr(visual, "defined", False):
@@ -364,7 +367,7 @@ def _from_trimesh(loaded: Any) -> Mesh:
             visual = visual.to_color()
         if visual.kind == "vertex":
             colors = np.asarray(visual.vertex_colors)[:, :3]
-    return Mesh(loaded.vertices, loaded.faces, colors)
+    return Mesh(loaded.vertices, loaded.faces, colors, source)
 
 
 def _declared_faces(path: Path) -> int:

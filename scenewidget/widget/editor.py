@@ -14,6 +14,7 @@ from scenewidget.editing.edits import EditError
 from scenewidget.editing.session import Event, Session
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation
+from scenewidget.widget.keeper import Keeper
 from scenewidget.widget.scene_view import SceneView
 
 __all__ = ["Editor"]
@@ -31,6 +32,8 @@ class Editor:
     lock : RLock
         Held while the view changes. Never ask the session while holding it: a script that walks the
         history holds the session's own lock while the steps are shown.
+    keeper : Keeper
+        Writes what changes.
     on_change : callable ()
         Called after every change, once the picture has been told.
 
@@ -40,8 +43,12 @@ class Editor:
         None before the first segmentation.
     """
 
-    def __init__(self, view: SceneView, lock: threading.RLock, on_change: Callable[[], None]) -> None:
+    def __init__(
+        self, view: SceneView, lock: threading.RLock, keeper: Keeper, on_change: Callable[[], None]
+    ) -> None:
         self.session: Session | None = None
+        self._stop_watching: Callable[[], None] = lambda: None
+        self._keeper = keeper
         self._view = view
         self._lock = lock
         self._on_change = on_change
@@ -54,14 +61,30 @@ class Editor:
         """Put another automatic segmentation underneath; how many edits don't apply to it."""
         if self.session is not None:
             return len(self.session.resegment(segmentation, params))
-        self.session = Session(self._view.mesh, segmentation, params=params)
-        self.session.observe(self._show)
-        self._show(Event("segmentation", None, 0))
+        self.adopt(Session(self._view.mesh, segmentation, params=params))
         return 0
+
+    def adopt(self, session: Session) -> None:
+        """Go on with a session made elsewhere; the one before is let go, with its file."""
+        self._stop_watching()
+        if self.session is not None:
+            self.session.close()
+        self.session = session
+        with self._lock:
+            self._shown_automatic, self._shown_revision = None, -1
+        self._stop_watching = session.observe(lambda event: self._show(session, event))
+        self._show(session, Event("segmentation", None, 0))
 
     def handle(self, message: Any) -> None:
         """Do what a message of the picture asks for; what concerns no edit is passed over."""
         kind = message.get("kind") if isinstance(message, dict) else None
+        if kind == "save":
+            self._save()
+        elif kind == "choose":
+            try:
+                self._keeper.choose(str(message.get("notice")), str(message.get("action")))
+            except (OSError, ValueError) as error:  # of the file; told, and nothing has changed
+                self._view.error = str(error)
         if kind not in KINDS:
             return
         self._message.now = message
@@ -99,10 +122,24 @@ class Editor:
         else:
             session.relabel(message["face"], message["name"])
 
-    def _show(self, event: Event) -> None:
-        """Show what the session holds now; called after each edit, undo and redo, from any thread."""
-        session = self.session
-        if session is None:
+    def _save(self) -> None:
+        if self.session is None:
+            self.remark("There is nothing to save yet")
+            return
+        try:
+            written = self._keeper.save(self.session)
+        except OSError as error:
+            self.remark(str(error))
+        else:
+            self.remark(f"Saved in {written.name}")
+
+    def _show(self, session: Session, event: Event) -> None:
+        """Show what a session holds now; called after each edit, undo and redo, from any thread."""
+        if session is not self.session:
+            return
+        message = getattr(self._message, "now", None)
+        if event.kind == "file":
+            self._keeper.tell(session)
             return
         state = session.snapshot()  # this event's or a newer one
         history, undone = session.history, session.undone
@@ -130,6 +167,7 @@ class Editor:
             if event.step is not None:
                 done = {"undo": "Undone: ", "redo": "Redone: "}.get(event.kind)
                 self.remark(f"{done}{event.step.title}" if done else "")
-            if message := getattr(self._message, "now", None):
+            if message is not None:
                 view.answer(message)
+        self._keeper.note(session, event, is_gesture=message is not None)
         self._on_change()

@@ -33,6 +33,12 @@ State, synced both ways (observe or set any of them)
     Name of the step that Undo and Redo would take; ``""`` = there is none.
 ``camera_group`` : str
     Views on a page with the same name here look the same way and point at the same place; ``""`` = none does.
+``save_state`` : ``""``, ``"unsaved"``, ``"saving"``, ``"saved"``, ``"failed"``, ``"read-only"``
+    How it stands with the edits' file, told beside Undo and Redo; ``""`` = nothing to save yet.
+``save_note`` : str
+    Which file, or what is wrong with it.
+``notices`` : list of {"key": str, "text": str, "actions": [[label, action], ...]}
+    Bars over the picture, each with its buttons; pressing one sends ``choose``, below.
 ``height`` : pixels
 ``busy`` : bool
     While True a slim progress bar, ``status`` and a Cancel button lie over the picture.
@@ -64,6 +70,13 @@ Only in ``mode="edit"``; faces are those of the mesh as given, ``level`` a name 
 ``{"kind": "split", "face": 12, "level": "final", "revision": 3}``
 ``{"kind": "relabel", "face": 12, "name": "chair", "revision": 3}``
 ``{"kind": "undo"}``, ``{"kind": "redo"}``
+
+Not counted as edits, and possible in either mode:
+
+``{"kind": "save"}``
+    The Save button or Ctrl + S.
+``{"kind": "choose", "notice": key, "action": action}``
+    A button of a notice.
 
 If ``editable``, each also has ``client`` and ``number``: the browser shows the edit at once and goes on
 doing so, on top of whatever segments come, until `answer` says that the message has been dealt with. So
@@ -100,6 +113,7 @@ from scenewidget.widget.palette import (
 __all__ = ["SceneView"]
 
 STATIC = Path(__file__).parent.parent / "static"
+SAVE_STATES = ("", "unsaved", "saving", "saved", "failed", "read-only")
 N_SPARE = 6  # colours for segments that the browser makes before Python knows of them
 MAX_CLIENTS = 32  # pages that show a view at the same time
 NOT_SAVED = {"face_item", "preview_segment", "preview_colors", "face_piece", "family_merges", "family_colors"}
@@ -140,6 +154,9 @@ class SceneView(anywidget.AnyWidget):
     progress = traitlets.Float(0.0, min=-1.0, max=1.0).tag(sync=True)
     status = traitlets.Unicode().tag(sync=True)
     error = traitlets.Unicode().tag(sync=True)
+    save_state = traitlets.Enum(SAVE_STATES, "").tag(sync=True)
+    save_note = traitlets.Unicode().tag(sync=True)
+    notices = traitlets.List(traitlets.Dict()).tag(sync=True)
 
     levels = traitlets.List(traitlets.Unicode(), read_only=True).tag(sync=True)
     n_segments = traitlets.Int(0, read_only=True).tag(sync=True)

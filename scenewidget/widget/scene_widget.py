@@ -6,9 +6,12 @@ script can do without it. The engine runs in one worker thread, so the notebook 
 
 from __future__ import annotations
 
+import os
 import threading
 import time
+import warnings
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import ipywidgets as widgets
@@ -21,6 +24,7 @@ from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.widget.controls import ParamsControls
 from scenewidget.widget.editor import Editor
+from scenewidget.widget.keeper import Keeper
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.worker import Worker
 
@@ -67,6 +71,11 @@ class SceneWidget(widgets.VBox):
         `Params()` by default.
     height : int
         Of the picture, in pixels.
+    autosave : bool or path
+        By default the first edit made in the picture starts a project file in the kernel's folder, named
+        after the scan, such as ``bedroom-1f3a9c02.swproj``; from then on every edit, a script's too, is
+        on disk before the widget says "Saved". A path names the file, and begins with a script's first edit
+        as well; False waits for `save`. What a file holds already is offered when the widget is shown again.
 
     Attributes
     ----------
@@ -86,13 +95,22 @@ class SceneWidget(widgets.VBox):
     ------
     MeshError, TypeError, FileNotFoundError
         The mesh can't be read or worked with; nothing is computed.
+    ProjectError
+        ``autosave`` names the project of another mesh.
     """
 
     params = traitlets.Instance(Params)
     segmentation = _LiveSegmentation(Segmentation, allow_none=True)
     busy = traitlets.Bool(False, read_only=True)
 
-    def __init__(self, mesh: Mesh | Any, params: Params | None = None, *, height: int = 560) -> None:
+    def __init__(
+        self,
+        mesh: Mesh | Any,
+        params: Params | None = None,
+        *,
+        height: int = 560,
+        autosave: bool | str | os.PathLike[str] = True,
+    ) -> None:
         if params is not None and not isinstance(params, Params):
             raise TypeError(f"params must be a Params, got {type(params).__name__}")
         params = params or Params()
@@ -101,7 +119,9 @@ class SceneWidget(widgets.VBox):
         self.controls = ParamsControls(params, self._set_params, self._compute)
         self._lock = threading.RLock()
         self._is_observed = False
-        self._editor = Editor(self.view, self._lock, self._take_edit)
+        self._keeper = Keeper(self.view, self._lock, autosave, self.restore)
+        self._editor = Editor(self.view, self._lock, self._keeper, self._take_edit)
+        self._is_restoring = False
         self._error: BaseException | None = None
         self._shown_params: Params | None = None
         self._started = 0.0
@@ -169,6 +189,55 @@ class SceneWidget(widgets.VBox):
             raise RuntimeError("cancelled before there was a result; set params to compute again")
         return segmentation
 
+    def save(self, path: str | os.PathLike[str] | None = None) -> Path:
+        """Write the corrections so far into one file; further edits go there too.
+
+        Parameters
+        ----------
+        path : path, optional
+            ``.swproj`` by convention. Without one, the file that autosave uses.
+
+        Raises
+        ------
+        RuntimeError
+            There is no segmentation yet.
+        OSError
+            The file can't be written; edits stay in memory.
+        """
+        if self.session is None:
+            raise RuntimeError("there is nothing to save before the first segmentation; wait() for it")
+        return self._keeper.save(self.session, path)
+
+    def restore(self, path: str | os.PathLike[str]) -> None:
+        """Go on with a project file: its segmentation, parameters and edits take the place of these.
+
+        Edits made so far are left as they are in their own file, if they have one.
+
+        Raises
+        ------
+        FileNotFoundError, ProjectError
+            No such file, damaged, or of another mesh; nothing has changed.
+        """
+        self._keeper.wait()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # read-only is told in the picture
+            session = Session.open(path, self.mesh)
+        self._worker.cancel()
+        if not self._worker.wait(30):
+            session.close()
+            raise TimeoutError("the computation under way does not stop; nothing was restored")
+        if session.params is not None:
+            self._is_restoring = True
+            try:
+                self.params = session.params
+            finally:
+                self._is_restoring = False
+        self._editor.adopt(session)
+        with self._lock:
+            self._error, self._shown_params = None, self.params
+            n = len(session.history)
+            self._end(f"Restored {n} step{'' if n == 1 else 's'} from {Path(path).name}")
+
     def cancel(self) -> None:
         """Stop the computation; the last good result stays."""
         self._worker.cancel()
@@ -185,7 +254,8 @@ class SceneWidget(widgets.VBox):
 
     def _take_params(self, change: dict[str, Any]) -> None:
         self.controls.show(change["new"])
-        self._compute()
+        if not self._is_restoring:
+            self._compute()
 
     def _compute(self) -> None:
         params = self.params

@@ -24,6 +24,7 @@ from scenewidget.editing.edits import EditError
 from scenewidget.editing.session import Session
 from scenewidget.engine.mesh import Mesh
 from scenewidget.widget.editor import Editor
+from scenewidget.widget.keeper import Keeper
 from scenewidget.widget.scene_view import SceneView
 
 
@@ -111,7 +112,8 @@ def main() -> None:
 def by_gestures(mesh: Mesh, seg: sw.Segmentation, n: int) -> tuple[list[float], list[float]]:
     """Processor seconds of edits as the picture sends them, and of asking for the labels per face then."""
     view = SceneView(mesh, editable=True)
-    editor = Editor(view, threading.RLock(), lambda: None)
+    lock = threading.RLock()
+    editor = Editor(view, lock, Keeper(view, lock, False, print), lambda: None)
     editor.take(seg, sw.Params())
     rng = np.random.default_rng(1)
     spent, asked = [], []

@@ -203,8 +203,9 @@ class Notebook:
             for i, cell in enumerate(cells)
         ]
         kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
-        name = f"test-{secrets.token_hex(4)}.ipynb"
+        name = f"{secrets.token_hex(4)}/test.ipynb"  # in a folder of its own: edits are saved beside it
         content = {"cells": source, "metadata": kernel, "nbformat": 4, "nbformat_minor": 5}
+        (self.server.folder / name).parent.mkdir()
         (self.server.folder / name).write_text(json.dumps(content))
         self.open_file(name)
 
@@ -223,6 +224,17 @@ class Notebook:
     def run_all(self) -> None:
         """Run all cells and wait until the kernel is done with them."""
         self.page.evaluate("() => window.jupyterapp.commands.execute('notebook:run-all-cells')")
+
+    def restart(self) -> None:
+        """A new kernel for the notebook; its outputs stay on the page."""
+        self.page.evaluate(
+            "() => window.jupyterapp.shell.currentWidget.context.sessionContext.restartKernel()"
+        )
+        self.page.wait_for_function(
+            """() => window.jupyterapp.shell.currentWidget.context.sessionContext
+                .session.kernel.status === 'idle'""",
+            timeout=60_000,
+        )
 
     def evaluate(self, expression: str) -> str:
         """`repr` of a Python expression in the notebook's kernel."""

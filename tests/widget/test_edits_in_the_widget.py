@@ -9,10 +9,16 @@ import shapes
 import scenewidget as sw
 from scenewidget.editing.partition import Partition
 from scenewidget.widget.editor import Editor
+from scenewidget.widget.keeper import Keeper
 from scenewidget.widget.palette import adjacent_segments
 from scenewidget.widget.scene_view import SceneView
 
 SMALL = sw.Params(n_segments=6, n_runs=4, n_graph_runs=4)
+
+
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +36,8 @@ def automatic(mesh):
 @pytest.fixture
 def editor(mesh, automatic):
     """An editor whose session can be asked, with its view."""
-    editor = Editor(SceneView(mesh, editable=True), threading.RLock(), lambda: None)
+    view, lock = SceneView(mesh, editable=True), threading.RLock()
+    editor = Editor(view, lock, Keeper(view, lock, False, print), lambda: None)
     editor.take(automatic, SMALL)
     return editor
 

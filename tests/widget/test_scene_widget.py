@@ -13,6 +13,12 @@ from scenewidget.widget.worker import Worker
 SMALL = sw.Params(n_segments=6, n_runs=4, n_graph_runs=4)
 
 
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path, monkeypatch):
+    """What is edited is saved beside the notebook: here, in a folder of the test's own."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.fixture
 def mesh():
     """A box of 4 × 3 × 2.4 m seen from inside."""

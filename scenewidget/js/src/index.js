@@ -32,6 +32,7 @@ const GROUPS = {
   state: [
     ...["color_by", "color_mix", "outlines", "back_faces", "height", "mode", "editable", "vocabulary"],
     ...["segment_list", "busy", "progress", "status", "error", "undo_title", "redo_title", "values_legend"],
+    ...["save_state", "save_note", "notices"],
   ],
 };
 
@@ -57,6 +58,11 @@ function render({ model, el }) {
     },
     letGo: () => pointing.letGo(),
     showAll: () => editing.hide(null),
+    save: () => model.send({ kind: "save" }),
+    choose: (notice, action) => {
+      model.send({ kind: "choose", notice, action });
+      root.focus({ preventScroll: true });
+    },
     list: {
       point: (segment) => pointing.list(segment),
       choose: (segment) => pointing.chooseSegment(segment),
@@ -181,6 +187,9 @@ function render({ model, el }) {
       pending: labelling.pending.operations.length,
       nHidden: hiddenSegments(view),
       vocabulary: model.get("vocabulary"),
+      saveState: model.get("save_state"),
+      saveNote: model.get("save_note"),
+      notices: model.get("notices"),
       summary: summaryOf(view),
       legend: legendOf(model),
     });

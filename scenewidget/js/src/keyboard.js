@@ -26,7 +26,7 @@ export function listenToKeys({ model, view, panel, pointing, editing, signal }) 
     if (target.matches("select, input") && event.key !== "Escape") return;
     if (target.matches("button") && (event.key === "Enter" || event.key === " ")) return;
     const ordered = command(event, model.get("mode"));
-    if (!ordered) return;
+    if (!ordered || (ordered.kind === "save" && !model.get("editable"))) return;
     event.preventDefault();
     event.stopPropagation();
     pointing.showAim(target === root);
@@ -71,6 +71,9 @@ export function listenToKeys({ model, view, panel, pointing, editing, signal }) 
         break;
       case "show_all":
         editing.hide(null);
+        break;
+      case "save":
+        model.send({ kind: "save" });
         break;
       default:
         editing.walk(ordered.kind);

@@ -9,7 +9,7 @@
  *   | { kind: "toggle", what: "outlines" | "back_faces" | "segment_list" | "help" | "mode" }
  *   | { kind: "level", index: number }
  *   | { kind: "part", what: PartAction }
- *   | { kind: "undo" | "redo" | "escape" | "choose" | "show_all" }} Command
+ *   | { kind: "undo" | "redo" | "escape" | "choose" | "show_all" | "save" }} Command
  */
 
 /** @type {Array<[string, string]>} */
@@ -45,6 +45,7 @@ export const EDIT_HELP = [
   ["Esc", "let go"],
   ["Ctrl + Z", "undo"],
   ["Ctrl + Shift + Z", "redo"],
+  ["Ctrl + S", "save everything in one file now"],
 ];
 
 /** Of both kinds: what to say where one can go from looking to editing and back. @type {[string, string]} */
@@ -95,6 +96,7 @@ export function command(event, mode) {
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
   if (event.altKey) return null;
   if (event.ctrlKey || event.metaKey) {
+    if (key === "s" && !event.shiftKey) return { kind: "save" };
     if (mode !== "edit") return null;
     if (key === "z") return { kind: event.shiftKey ? "redo" : "undo" };
     return key === "y" ? { kind: "redo" } : null;

@@ -1,6 +1,7 @@
 /** The page around the picture: toolbar, status line, progress, errors, help. Text is always set as text. */
 
 import { element, iconButton, textButton } from "./elements.js";
+import { createKeeping } from "./keeping.js";
 import { AIM_HELP, EDIT_HELP, MODE_HELP, NAVIGATION_HELP } from "./keys.js";
 import { createLegend } from "./legend.js";
 import { createNaming } from "./naming.js";
@@ -16,6 +17,8 @@ import { createSegmentList } from "./segmentlist.js";
  * @property {(what: import("./keys.js").PartAction) => void} act  on the picked part
  * @property {() => void} letGo  of the picked part
  * @property {() => void} showAll
+ * @property {() => void} save
+ * @property {(notice: string, action: string) => void} choose  a button of a notice was pressed
  * @property {import("./segmentlist.js").ListActions} list
  */
 
@@ -42,6 +45,9 @@ import { createSegmentList } from "./segmentlist.js";
  * @property {string | null} undo  name of the step; "" = a step without a name, null = none
  * @property {string | null} redo
  * @property {number} pending  edits that Python hasn't answered
+ * @property {import("./keeping.js").SaveState} saveState
+ * @property {string} saveNote
+ * @property {import("./keeping.js").Notice[]} notices
  * @property {number} nHidden  segments that aren't drawn
  * @property {string[]} vocabulary
  * @property {string} summary  shown at rest, with the status
@@ -92,7 +98,8 @@ export function createPanel(host, actions) {
     look,
     edit,
   ]);
-  const history = element("div", { class: "sw-group" }, [undo, redo]);
+  const keeping = createKeeping(actions);
+  const history = element("div", { class: "sw-group" }, [undo, redo, keeping.button, keeping.word]);
   const showAll = textButton("Show all", "Show what is hidden (Shift + H)");
   const hiddenGroup = element("div", { class: "sw-group", hidden: "" }, [showAll]);
   const tools = element("div", { class: "sw-tools", role: "toolbar", "aria-label": "View" }, [
@@ -200,7 +207,7 @@ export function createPanel(host, actions) {
           busy,
           error,
         ],
-        ...[naming.element, helpCard],
+        ...[keeping.bars, naming.element, helpCard],
       ]),
       list.element,
     ],
@@ -325,6 +332,7 @@ export function createPanel(host, actions) {
       hiddenGroup.hidden = state.nHidden === 0;
       root.dataset.hidden = String(state.nHidden);
       naming.offer(state.vocabulary);
+      keeping.update(state);
 
       root.dataset.pending = String(state.pending);
       pendingText.textContent = state.pending === 1 ? "1 edit pending" : `${state.pending} edits pending`;

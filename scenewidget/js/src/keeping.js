@@ -1,0 +1,65 @@
+/** How it stands with the edits' file: a button, a word beside it, and bars that offer something. */
+
+import { element, iconButton, textButton } from "./elements.js";
+
+/** @typedef {"" | "unsaved" | "saving" | "saved" | "failed" | "read-only"} SaveState */
+/** @typedef {{ key: string, text: string, actions: Array<[string, string]> }} Notice */
+
+/** @type {Record<SaveState, string>} */
+const WORDS = {
+  "": "",
+  unsaved: "Not saved",
+  saving: "Saving",
+  saved: "Saved",
+  failed: "Can't save",
+  "read-only": "Read-only",
+};
+
+/**
+ * @param {object} actions
+ * @param {() => void} actions.save
+ * @param {(notice: string, action: string) => void} actions.choose  a button of a notice was pressed
+ */
+export function createKeeping({ save, choose }) {
+  const button = iconButton("save", "Save", "Ctrl + S");
+  const word = element("span", { class: "sw-saved", role: "status" });
+  const bars = element("div", { class: "sw-notices" });
+  button.onclick = save;
+  let shown = "";
+
+  return {
+    button,
+    word,
+    bars,
+
+    /**
+     * @param {object} state
+     * @param {SaveState} state.saveState
+     * @param {string} state.saveNote
+     * @param {number} state.pending  edits that Python hasn't answered
+     * @param {Notice[]} state.notices
+     */
+    update({ saveState, saveNote, pending, notices }) {
+      const told = saveState === "saved" && pending > 0 ? "saving" : saveState;
+      if (word.textContent !== WORDS[told]) word.textContent = WORDS[told];
+      word.dataset.state = told;
+      word.title = saveNote;
+      button.title = `Save${saveNote && `: ${saveNote}`} (Ctrl + S)`;
+      const signature = JSON.stringify(notices);
+      if (signature === shown) return;
+      shown = signature;
+      bars.replaceChildren(
+        ...notices.map(({ key, text, actions }) =>
+          element("div", { class: "sw-notice", role: "alert", "data-key": key }, [
+            element("span", { class: "sw-notice-text" }, [text]),
+            ...actions.map(([label, action]) => {
+              const choice = textButton(label);
+              choice.onclick = () => choose(key, action);
+              return choice;
+            }),
+          ]),
+        ),
+      );
+    },
+  };
+}

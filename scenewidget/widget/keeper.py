@@ -1,0 +1,257 @@
+"""Keeps a person's corrections on disk without being asked, and finds them again later.
+
+The project file lies in the kernel's folder, that is beside the notebook, and is named after the scan and its
+fingerprint. It is made at the first edit that a person makes in the picture: showing a widget writes
+nothing, nor does a script, which can be run again. What lies there already is offered and never written over:
+whoever starts afresh gets a file with another number.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from scenewidget.editing.fingerprint import fingerprint
+from scenewidget.editing.project import ProjectError
+from scenewidget.editing.session import Event, Session
+from scenewidget.editing.store import Summary, summary_of
+from scenewidget.engine.mesh import Mesh
+from scenewidget.widget.scene_view import SceneView
+
+__all__ = ["Keeper", "default_name", "newest_project"]
+
+SUFFIX = ".swproj"
+DIGITS = 8  # of the fingerprint, in names of files
+
+
+def default_name(mesh: Mesh) -> str:
+    """Name of the project file of a scan: ``bedroom-1f3a9c02.swproj``."""
+    stem = re.sub(r"[^\w.-]+", "_", Path(mesh.source).stem).strip("._")[:60]
+    return f"{stem or 'scan'}-{fingerprint(mesh).digest[:DIGITS]}{SUFFIX}"
+
+
+def newest_project(mesh: Mesh, folder: Path) -> Summary | None:
+    """The project of this mesh in a folder that was worked on last; None if there is none.
+
+    Files that aren't projects, are damaged or of another mesh are passed over.
+    """
+    if not any(path.suffix == SUFFIX for path in _entries(folder)):
+        return None  # the fingerprint of a large mesh takes a moment
+    found = [
+        summary
+        for path in _entries(folder)
+        if path.suffix == SUFFIX and fingerprint(mesh).digest[:DIGITS] in path.name
+        if (summary := _summary(path)) is not None and summary.fingerprint == fingerprint(mesh)
+    ]
+    return max((s for s in found if s.n_steps > 0), key=lambda s: s.last_time, default=None)
+
+
+class Keeper:
+    """Writes a session to its file and tells the picture how that stands.
+
+    Parameters
+    ----------
+    view : SceneView
+    lock : RLock
+        Held while the view changes, never while a session is asked.
+    autosave : bool or path
+        Whether the first edit makes a file; a path says which one.
+    restore : callable (Path)
+        Called when a person wants an offered state back.
+
+    Raises
+    ------
+    ProjectError
+        The path given holds the project of another mesh, or something else.
+    """
+
+    def __init__(
+        self,
+        view: SceneView,
+        lock: threading.RLock,
+        autosave: bool | str | os.PathLike[str],
+        restore: Callable[[Path], None],
+    ) -> None:
+        if not isinstance(autosave, (bool, str, os.PathLike)):
+            raise TypeError(f"autosave must be True, False or a path, got {type(autosave).__name__}")
+        self.autosave = autosave
+        self._view = view
+        self._lock = lock
+        self._restore = restore
+        self._path = None if isinstance(autosave, bool) else Path(autosave).absolute()
+        self._folder = Path.cwd()  # the cell's; a later one may change directory
+        self._problem = ""  # that kept the file from being made
+        self._writing: threading.Thread | None = None
+        self._session: Session | None = None
+        self._notices: dict[str, dict[str, Any]] = {}
+        self.offered = self._find()
+        if self.offered is not None:
+            when = time.strftime("%Y-%m-%d %H:%M", time.localtime(self.offered.last_time))
+            self._put_notice(
+                "offer",
+                f"Edited {when}: {_steps(self.offered.n_steps)} in {self.offered.path.name}",
+                [("Restore", "restore"), ("Start afresh", "drop")],
+            )
+
+    def _find(self) -> Summary | None:
+        if self._path is None:
+            return newest_project(self._view.mesh, self._folder)
+        if not self._path.exists():
+            return None
+        summary = summary_of(self._path)
+        if summary.fingerprint != fingerprint(self._view.mesh):
+            raise ProjectError(
+                f"{self._path.name!r} belongs to another mesh: it was made on one of {summary.fingerprint}, "
+                f"but this one has {fingerprint(self._view.mesh)}; choose another name for autosave"
+            )
+        return summary if summary.n_steps > 0 else None
+
+    # --- writing ----------------------------------------------------------------------------------
+
+    def note(self, session: Session, event: Event, *, is_gesture: bool) -> None:
+        """Something has happened in a session; ``is_gesture``: a person did it in the picture."""
+        self._session = session
+        wants = bool(self.autosave) and (is_gesture or self._path is not None)
+        if session.path is None and event.step is not None and wants:
+            self._begin_file(session)
+        self.tell(session)
+
+    def save(self, session: Session, path: str | os.PathLike[str] | None = None) -> Path:
+        """Write everything into one file now: that of the session, or a new one if it has none it may write.
+
+        Raises
+        ------
+        OSError
+            It can't be written; edits stay in memory.
+        """
+        self._session = session
+        self.wait()
+        try:
+            if path is not None:
+                written = session.save(path)
+            elif session.path is not None and not session.read_only:
+                written = session.save()
+            else:
+                written = session.save(self.free_place())
+        except OSError as error:
+            self._problem = str(error)
+            raise
+        else:
+            self._problem = ""
+        finally:
+            self.tell(session)
+        return written
+
+    def wait(self) -> None:
+        """Until the file that is being made is there."""
+        writing = self._writing
+        if writing is not None and writing is not threading.current_thread():
+            writing.join()
+
+    def free_place(self) -> Path:
+        """Where a new file can go: no file of that name is there."""
+        first = self._path or self._folder / default_name(self._view.mesh)
+        place, number = first, 1
+        while place.exists():
+            number += 1
+            place = first.with_name(f"{first.stem}-{number}{first.suffix}")
+        return place
+
+    def _begin_file(self, session: Session) -> None:
+        """Make the file beside the work: at a million faces that takes half a second."""
+        with self._lock:
+            if self._writing is not None:
+                return
+
+            def write() -> None:
+                try:
+                    session.save(self.free_place())
+                    self._problem = ""
+                except OSError as error:
+                    self._problem = str(error)
+                finally:
+                    self._writing = None
+                    self.tell(session)
+
+            self._writing = threading.Thread(target=write, name="scenewidget-file")  # waited for at the end
+            self._writing.start()
+
+    def tell(self, session: Session) -> None:
+        """Show how it stands with the file; for the session in use, not for one that it has replaced."""
+        if session is not self._session:
+            return
+        problem = session.file_problem or ("" if session.path is not None else self._problem)
+        note = str(session.path or "")
+        if session.read_only:
+            state, note = "read-only", f"{note} is open read-only: {session.file_reason}"
+        elif problem:
+            state, note = "failed", re.sub(r"^\[Errno \d+\] ", "", problem)
+        elif session.is_saved:
+            state = "saved"
+        elif self._writing is not None:
+            state = "saving"
+        else:
+            state = "unsaved" if session.history or session.undone else ""
+        with self._lock, self._view.hold_sync():
+            self._view.save_state, self._view.save_note = state, note
+            if state == "failed":
+                text = f"{_sentence(note)}. Your edits are in memory only"
+                self._put_notice("file", text, [("Try again", "save")])
+            elif state == "read-only":
+                text = f"{note}. Your edits are in memory only"
+                self._put_notice("file", text, [("Save a copy", "copy"), ("OK", "drop")])
+            elif state == "saved":
+                self._drop_notice("file")
+
+    # --- notices ----------------------------------------------------------------------------------
+
+    def choose(self, notice: str, action: str) -> None:
+        """A person pressed a button of a notice."""
+        known = self._notices.get(notice)
+        if known is None or action not in [kind for _, kind in known["actions"]]:
+            return  # pressed in another view at the same time
+        if action == "restore" and self.offered is not None:
+            self._restore(self.offered.path)
+        elif action in ("save", "copy") and self._session is not None:
+            with contextlib.suppress(OSError):  # told by the notice
+                self.save(self._session, self.free_place() if action == "copy" else None)
+        if action in ("restore", "drop"):
+            with self._lock:
+                self._drop_notice(notice)
+
+    def _put_notice(self, key: str, text: str, actions: list[tuple[str, str]]) -> None:
+        notice = {"key": key, "text": text, "actions": [list(action) for action in actions]}
+        self._notices = {**self._notices, key: notice}
+        self._view.notices = list(self._notices.values())
+
+    def _drop_notice(self, key: str) -> None:
+        self._notices = {other: notice for other, notice in self._notices.items() if other != key}
+        self._view.notices = list(self._notices.values())
+
+
+def _entries(folder: Path) -> list[Path]:
+    try:
+        return sorted(folder.iterdir())
+    except OSError:
+        return []
+
+
+def _summary(path: Path) -> Summary | None:
+    try:
+        return summary_of(path)
+    except (OSError, ProjectError):
+        return None
+
+
+def _steps(n: int) -> str:
+    return f"{n} step" if n == 1 else f"{n} steps"
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]
