@@ -49,7 +49,7 @@ STAGE_NAMES = {
 }
 
 
-class _LiveSegmentation(traitlets.Instance[Segmentation | None]):
+class _LiveSegmentation(traitlets.Instance):  # type: ignore[type-arg]  # older traitlets have none
     """A trait whose labels per face are made when somebody asks: an edit need not wait for them."""
 
     def get(self, obj: Any, cls: Any = None) -> Any:
