@@ -1,7 +1,7 @@
 """The method: pure functions from a mesh to its segments. Runs without Jupyter.
 
 Data flows downwards: mesh, preprocess, items, dihedral, operators, features, distances, kmedoids,
-ensemble, consensus, finish, segmentation, pipeline. Each is a module, imported on first use:
+ensemble, consensus, finish, hull, relief, segmentation, pipeline. Each is a module, imported on first use:
 ``sw.engine.distances.all_pairs(graph)``.
 """
 

@@ -51,6 +51,7 @@ _RANGES: dict[str, tuple[float, float]] = {  # inclusive
     "merge_normal": (0, 1),
     "merge_seam": (-1, 1),
     "linkage_similarity": (0, 1),
+    "relief": (0, math.inf),
     "min_area": (0, math.inf),
     "seed": (0, 2**63 - 1),
 }
@@ -125,7 +126,10 @@ class Params:
     leftover : str
         "alone", "argmax" or "linkage"; see `consensus.settle_leftovers`. Thesis: "alone".
     join_planes : bool
-        Whether pieces of one wall or floor that don't touch are joined. Thesis: no.
+        Whether pieces of one wall or floor are joined, those that don't touch too. Thesis: no.
+    relief : float
+        What stands out of a wall or floor by a step of this height (metres) is a segment of its own: doors,
+        pictures, carpets. 0 leaves them with the wall, as in the thesis.
     min_area : float
         Segments below this area (m²) go to a neighbour. Thesis: 0.
     granularity : int, optional
@@ -166,6 +170,7 @@ class Params:
     linkage_similarity: float = 0.7
     leftover: Leftover = "alone"
     join_planes: bool = True
+    relief: float = 0.008
     min_area: float = 0.02
     granularity: int | None = None
     seed: int = 0
@@ -194,6 +199,7 @@ class Params:
             "merge": True,
             "consensus": "peac",
             "join_planes": False,
+            "relief": 0.0,
             "min_area": 0.0,
         }
         return cls().replace(**(preset | changes))

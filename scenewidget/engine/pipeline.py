@@ -39,12 +39,14 @@ from scenewidget.engine.features import (
     vertex_to_face,
     wave_kernel_signature,
 )
-from scenewidget.engine.finish import absorb_small, connected_pieces, join_planes
+from scenewidget.engine.finish import absorb_small, connected_pieces
+from scenewidget.engine.hull import join_planes
 from scenewidget.engine.items import Items, simplified_items, superfacet_items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, face_adjacency, load_mesh
 from scenewidget.engine.monitor import Monitor, Progress
 from scenewidget.engine.operators import Eigenbasis, eigenbasis
 from scenewidget.engine.params import Params
+from scenewidget.engine.relief import separate_reliefs
 from scenewidget.engine.segmentation import Segmentation, order_by_area
 
 __all__ = ["Pipeline", "segment"]
@@ -350,6 +352,7 @@ def stages(params: Params) -> dict[str, Stage]:
             "coassociation",
             "consensus",
             planes=p.join_planes,
+            relief=p.relief,
             min_area=p.min_area,
         ),
         stage("segmentation", _segmentation, "items", "dihedral", "coassociation", "finish"),
@@ -366,6 +369,7 @@ def stages(params: Params) -> dict[str, Stage]:
                 "tree",
                 "segmentation",
                 planes=p.join_planes,
+                relief=p.relief,
                 min_area=p.min_area,
             ),
             stage("granularity", _cut, "family", n_segments=p.granularity),
@@ -645,16 +649,19 @@ def _finish(
     *,
     monitor: Monitor,
     planes: bool,
+    relief: float,
     min_area: float,
 ) -> tuple[IntArray, FloatArray]:
     """(n_items,) label of each item, and how much the ensemble agrees with it."""
     labels = connected_pieces(consensus[co.base], items.pairs)
-    return _finished(items, labels, planes, min_area), _confidence(co, labels)
+    return _finished(items, labels, planes, relief, min_area), _confidence(co, labels)
 
 
-def _finished(items: Items, labels: IntArray, planes: bool, min_area: float) -> IntArray:
+def _finished(items: Items, labels: IntArray, planes: bool, relief: float, min_area: float) -> IntArray:
     if planes:
         labels = join_planes(items, labels)
+    if relief > 0:
+        labels = separate_reliefs(items, labels, step=relief)
     return absorb_small(items, labels, min_area) if min_area > 0 else labels
 
 
@@ -706,10 +713,11 @@ def _family(
     *,
     monitor: Monitor,
     planes: bool,
+    relief: float,
     min_area: float,
 ) -> Family:
     fine = connected_pieces(cut_tree(tree, similarity=FINE_SIMILARITY)[co.base], items.pairs)
-    return make_family(segmentation, _finished(items, fine, planes, min_area), co, smallest=min_area)
+    return make_family(segmentation, _finished(items, fine, planes, relief, min_area), co, smallest=min_area)
 
 
 def _cut(mesh: Mesh, family: Family, *, monitor: Monitor, n_segments: int) -> Segmentation:

@@ -41,7 +41,7 @@ from scipy.spatial import cKDTree
 import scenewidget as sw
 from scenewidget.baselines.graph_segmentation import mesh_graph, segment_graph
 from scenewidget.editing import annotator, simulate_annotator
-from scenewidget.engine import felzenszwalb, finish, items, preprocess
+from scenewidget.engine import felzenszwalb, hull, items, preprocess
 from scenewidget.engine.dihedral import dihedral_partition
 from scenewidget.engine.mesh import FloatArray, IntArray, face_adjacency
 from scenewidget.engine.monitor import SILENT
@@ -191,7 +191,7 @@ def with_planes(mesh: sw.Mesh, pieces: IntArray, patches: IntArray, normals: Flo
     _, first, item = np.unique(code, return_index=True, return_inverse=True)
     item = item.astype(np.int32)
     patch_items = items._build(mesh, item, item, np.empty((0, 2), np.int32), normals, {})
-    return finish.join_planes(patch_items, pieces[first])[item]
+    return hull.join_planes(patch_items, pieces[first])[item]
 
 
 Search = Callable[[sw.Mesh, tuple[float, ...]], Iterator[Outcome]]

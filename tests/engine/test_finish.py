@@ -1,4 +1,4 @@
-"""Connected pieces, crumbs given to neighbours, walls joined: on scenes made by hand."""
+"""Connected pieces, and crumbs given to neighbours: on scenes made by hand."""
 
 import numpy as np
 import shapes
@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import graphs
 
-from scenewidget.engine.finish import absorb_small, connected_pieces, join_planes
+from scenewidget.engine.finish import absorb_small, connected_pieces
 from scenewidget.engine.items import simplified_items
 from scenewidget.engine.mesh import Mesh, connected_components, face_adjacency
 
@@ -88,48 +88,3 @@ def test_no_segment_with_a_neighbour_stays_below_the_least_area(seed, smallest):
     assert (together(pieces) <= together(merged)).all()
     area = np.bincount(merged, items.areas)
     assert len(area) == 1 or area.min() >= smallest
-
-
-# --- walls ----------------------------------------------------------------------------------------
-
-
-def scene(*parts):
-    """Items a face of parts joined in one mesh, and the part of each item."""
-    mesh = shapes.joined(*parts)
-    return faces_as_items(mesh), np.repeat(np.arange(len(parts)), [p.n_faces for p in parts]).astype(np.int32)
-
-
-def sheet(origin, size, n=6):
-    square = shapes.grid_square(n)
-    return Mesh(square.vertices * [*size, 1] + np.array(origin), square.faces)
-
-
-def test_two_pieces_of_a_floor_become_one():
-    items, part = scene(sheet((0, 0, 0), (2, 2)), sheet((3, 0, 0.01), (2, 1)), sheet((0, 3, 0.8), (1, 1)))
-    assert join_planes(items, part).tolist() == np.where(part == 2, 1, 0).tolist()
-
-
-def test_a_sheet_that_looks_the_other_way_stays():
-    ceiling = sheet((3, 0, 0), (2, 1))
-    items, part = scene(sheet((0, 0, 0), (2, 2)), Mesh(ceiling.vertices, ceiling.faces[:, ::-1]))
-    assert len(set(join_planes(items, part).tolist())) == 2
-
-
-def test_a_table_top_is_no_floor_because_things_lie_behind_it():
-    """Both halves of a table lie in one plane, but the floor is behind them."""
-    items, part = scene(sheet((0, 0, 0), (4, 4)), sheet((0, 0, 0.7), (1.2, 1)), sheet((2, 0, 0.7), (1.2, 1)))
-    assert len(set(join_planes(items, part).tolist())) == 3
-
-
-def test_small_and_rough_pieces_found_nothing():
-    items, part = scene(sheet((0, 0, 0), (0.9, 1)), sheet((2, 0, 0), (0.9, 1)))
-    assert len(set(join_planes(items, part).tolist())) == 2
-    assert len(set(join_planes(items, part, smallest_seed=0.5).tolist())) == 1
-
-
-def test_the_unlabeled_stay_unlabeled():
-    items, part = scene(sheet((0, 0, 0), (2, 2)), sheet((3, 0, 0), (2, 1)))
-    part[:5] = -1
-    joined = join_planes(items, part)
-    assert (joined[:5] == -1).all()
-    assert set(joined[5:].tolist()) == {0}

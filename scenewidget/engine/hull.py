@@ -1,0 +1,190 @@
+"""The hull of a room: its walls, floor and ceiling, each one segment although furniture cuts it in pieces.
+
+Goes in: labels of the items. Comes out: labels in which pieces of one wall are one segment, whether they
+touch or not, and however the scan has bent the wall. Not in the thesis, which leaves such pieces apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from scenewidget.engine.items import Items
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
+
+__all__ = ["Planes", "join_planes", "segment_planes"]
+
+PARALLEL = 0.9  # least dot product of normals that agree
+ROUGHNESS = 0.06  # largest root mean square distance from its plane of what can be a piece of a wall, metres
+
+
+@dataclass(frozen=True, eq=False)
+class Planes:
+    """Best plane of each segment, and whether the segment is a piece of the room's hull.
+
+    Attributes
+    ----------
+    areas : (n,) float64
+        Square metres.
+    centroids : (n, 3) float64
+        Metres from the centre of the mesh's bounding box.
+    normals : (n, 3) float64
+        Unit, of the plane; towards the side that the faces look to.
+    mean_normals : (n, 3) float64
+        Unit, of the faces; zero where they cancel.
+    roughness : (n,) float64
+        Root mean square distance from the plane, metres.
+    is_hull : (n,) bool
+        Large, flat, and next to nothing of the scene behind it.
+    """
+
+    areas: FloatArray
+    centroids: FloatArray
+    normals: FloatArray
+    mean_normals: FloatArray
+    roughness: FloatArray
+    is_hull: BoolArray
+
+
+def segment_planes(
+    items: Items,
+    labels: IntArray,
+    *,
+    smallest: float = 1.0,
+    behind: float = 0.12,
+    share_behind: float = 0.03,
+) -> Planes:
+    """Planes of the segments.
+
+    Parameters
+    ----------
+    labels : (n_items,) int32
+        Dense.
+    smallest : float
+        Least area of a piece of the hull, m².
+    behind, share_behind : float
+        Of the scene's area, other segments have at most this share more than ``behind`` metres behind the
+        plane of a piece of the hull.
+    """
+    n = int(labels.max(initial=-1)) + 1
+    keep = labels >= 0
+    moments = items.moments.gather(labels, n)
+    values, vectors = moments.principal()
+    roughness = np.sqrt(values[:, 0] / np.where(moments.area > 0, moments.area, 1.0))
+    sums = [np.bincount(labels[keep], (items.areas * c)[keep], n) for c in items.normals.T]
+    mean = np.stack(sums, axis=1).astype(np.float64)
+    length = np.linalg.norm(mean, axis=1, keepdims=True)
+    mean = np.divide(mean, length, out=np.zeros_like(mean), where=length > 0)
+    normals = vectors[:, :, 0]
+    normals = normals * np.where(np.einsum("ij,ij->i", normals, mean) < 0, -1.0, 1.0)[:, None]
+    centroids, positions = moments.centroid, items.moments.centroid
+    is_hull = (moments.area >= smallest) & (roughness <= ROUGHNESS)
+    is_hull &= np.einsum("ij,ij->i", normals, mean) >= PARALLEL
+    for s in np.flatnonzero(is_hull):
+        depth = (positions - centroids[s]) @ normals[s]
+        is_behind = (depth < -behind) & (labels != s)
+        is_hull[s] = items.areas[is_behind].sum() <= share_behind * items.areas.sum()
+    return Planes(moments.area, centroids, normals, mean, roughness, is_hull)
+
+
+def join_planes(
+    items: Items,
+    labels: IntArray,
+    *,
+    smallest_seed: float = 1.0,
+    reach: tuple[float, float] = (0.03, 0.05),
+    shell: float = 0.3,
+    near: float = 0.15,
+    bend: float = 0.15,
+) -> IntArray:
+    """Join segments that lie in the plane of a wall, floor or ceiling, whether they touch it or not.
+
+    A seed is a piece of the room's hull. In order of area each seed takes the segments, other seeds
+    included, whose mean normal agrees with its own and whose root mean square distance from its plane is
+    small; then those beside what it has so far that go on at the same height, for scans bend walls.
+
+    Parameters
+    ----------
+    labels : (n_items,) int32
+        Dense.
+    smallest_seed : float
+        Square metres.
+    reach : (least, most)
+        How far a segment may lie from the plane, metres: 1.5 times the seed's roughness between these. The
+        least is also the largest step between a segment and what it goes on from.
+    shell : float
+        Fusion leaves shells behind walls that face the other way; those up to this far behind (metres)
+        belong to the wall.
+    near : float
+        Widest gap over which a bent wall is followed, metres.
+    bend : float
+        Farthest that it is followed from the seed's plane, metres.
+
+    Returns
+    -------
+    labels : (n_items,) int32
+        Dense.
+    """
+    planes = segment_planes(items, labels, smallest=smallest_seed)
+    scatter = items.moments.gather(labels, len(planes.areas)).scatter
+    area = np.where(planes.areas > 0, planes.areas, 1.0)
+    group = np.arange(len(area))
+    is_free = np.ones(len(area), dtype=np.bool_)
+    for s in np.argsort(-planes.areas, kind="stable"):
+        if not (is_free[s] and planes.is_hull[s]):
+            continue
+        normal = planes.normals[s]
+        offset = (planes.centroids - planes.centroids[s]) @ normal
+        spread = np.maximum(np.einsum("i,nij,j->n", normal, scatter, normal) / area, 0.0)
+        distance = np.sqrt(offset**2 + spread)
+        facing = planes.mean_normals @ normal
+        joins = is_free & (facing > PARALLEL) & (distance < np.clip(1.5 * planes.roughness[s], *reach))
+        joins[s] = True
+        beside = is_free & (facing > PARALLEL) & (distance < bend) & (planes.roughness < ROUGHNESS)
+        _follow(items, labels, joins, beside & ~joins, normal, step=reach[0], near=near)
+        joins |= is_free & (facing < -PARALLEL) & (offset < 0) & (offset > -shell)
+        group[joins] = s
+        is_free &= ~joins
+    _, dense = np.unique(group, return_inverse=True)
+    return np.where(labels >= 0, dense[labels], -1).astype(np.int32)
+
+
+def _follow(
+    items: Items,
+    labels: IntArray,
+    joins: BoolArray,
+    candidates: BoolArray,
+    normal: FloatArray,
+    *,
+    step: float,
+    near: float,
+) -> None:
+    """Mark in ``joins`` the candidates that go on at the same height beside what has joined already.
+
+    Heights are compared along the rim: those items of a candidate that are nearest to a joined one, each
+    with that one.
+    """
+    position = items.moments.centroid
+    height = position @ normal
+    foot = position - height[:, None] * normal
+    radius = np.sqrt(items.areas / np.pi)
+    while candidates.any():
+        joined = np.flatnonzero((labels >= 0) & joins[labels])
+        waiting = np.flatnonzero((labels >= 0) & candidates[labels])
+        gap, nearest = cKDTree(foot[joined]).query(foot[waiting])
+        gap = np.maximum(gap - radius[waiting] - radius[joined[nearest]], 0.0)
+        owner = labels[waiting]
+        least = np.full(len(joins), np.inf)
+        np.minimum.at(least, owner, gap)
+        is_rim = gap <= least[owner] + near
+        weight = items.areas[waiting] * is_rim
+        rise = (height[waiting] - height[joined[nearest]]) * weight
+        total = np.bincount(owner, weight, len(joins))
+        mean = np.bincount(owner, rise, len(joins)) / np.where(total > 0, total, 1.0)
+        goes_on = candidates & (least <= near) & (np.abs(mean) < step)
+        if not goes_on.any():
+            break
+        joins |= goes_on
+        candidates &= ~goes_on

@@ -1,0 +1,289 @@
+"""What lies on a floor or hangs on a wall, nearly in its plane: carpets, doors, pictures.
+
+Goes in: labels in which the hull of the room is whole. Comes out: labels in which regions that stand out
+from their wall or floor by a small step, or behind a ridge as a door behind its frame, are segments of their
+own. Normals can't see a step of a centimetre; a map of heights over the plane can. Not in the thesis.
+"""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+
+from scenewidget.engine.consensus import average_linkage, co_association, cut_tree
+from scenewidget.engine.hull import segment_planes
+from scenewidget.engine.items import Items
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
+
+__all__ = ["separate_reliefs"]
+
+FACING = 0.7  # least dot product with the plane's normal of what is in the map: no flanks, no shells
+LARGE = 0.15  # of the wall's main region; larger ones must stand out more: scans bend walls and shift halves
+MARGIN = 5  # empty cells round the map, as far as heights are compared
+MOST_CELLS = 2_000  # along a side of the map
+SHIFTS = ((0.0, 0.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0))  # of the grids that vote, in cells
+REACH = 2  # cells; narrow items this near to a broad one are the rim of a step
+RIM = 1  # cells; an item that nowhere holds a square of 2 RIM + 1 cells is narrow
+DOUBT = 0.02  # metres over the root of a seam's cells: long seams are decided first
+
+
+def separate_reliefs(
+    items: Items, labels: IntArray, *, step: float = 0.008, smallest: float = 0.1, cell: float = 0.03
+) -> IntArray:
+    """Part what stands out of walls, floor and ceiling by a step.
+
+    In the map of a wall's heights, items are joined to regions while the mean step along their common seam
+    is small, the surest first.
+
+    Parameters
+    ----------
+    labels : (n_items,) int32
+        Dense.
+    step : float
+        Least mean height of the step, or of the ridge, along a region's seam, metres.
+    smallest : float
+        Least area of such a region, m².
+    cell : float
+        Side of the map's cells, metres; more where faces are larger.
+
+    Returns
+    -------
+    labels : (n_items,) int32
+        Dense.
+    """
+    planes = segment_planes(items, labels)
+    labels = labels.copy()
+    n_labels = len(planes.areas)
+    for s in np.flatnonzero(planes.is_hull):
+        inside = (labels == s) & (items.normals @ planes.normals[s] > FACING)
+        if not inside.any():
+            continue
+        for relief in _reliefs(items, inside, step, smallest, cell):
+            labels[relief] = n_labels
+            n_labels += 1
+    return labels
+
+
+def _reliefs(items: Items, inside: BoolArray, step: float, smallest: float, cell: float) -> list[IntArray]:
+    """Items of each region that stands out of the wall.
+
+    Where the cells happen to lie matters near the threshold: so several grids vote, by evidence
+    accumulation as in `consensus`.
+    """
+    members = np.flatnonzero(inside)
+    points = _points(items, inside)
+    cell = max(
+        cell, 1.2 * float(np.sqrt(2 * np.median(points.area))), float(np.ptp(points.foot)) / MOST_CELLS
+    )
+    keys = [_regions(items.areas, points, step, smallest, cell, shift)[members] for shift in SHIFTS]
+    co = co_association(np.stack(keys, axis=1), items.areas[members])
+    region = cut_tree(average_linkage(co.C, co.weights), similarity=0.5)[co.base]
+    area = np.bincount(region, items.areas[members])
+    is_relief = area >= smallest
+    is_relief[area.argmax()] = False
+    return [members[region == r] for r in np.flatnonzero(is_relief)]
+
+
+def _regions(
+    areas: FloatArray,
+    points: _Points,
+    step: float,
+    smallest: float,
+    cell: float,
+    shift: tuple[float, float],
+) -> IntArray:
+    """(n_items,) 1 and up for regions that stand out of the wall on one grid, 0 for all else."""
+    heights = _height_map(points, cell, shift)
+    whole = _without_rims(heights.item)
+    seams = _seams(heights, whole)
+    roots = _merged(np.unique(whole[whole >= 0]), seams, step)
+    region = _most_frequent(heights.item, np.where(whole >= 0, roots[whole], -1), len(areas))
+    area = np.bincount(region[region >= 0], areas[region >= 0], len(areas))
+    main = int(area.argmax())
+    ends = roots[seams.pairs]
+    is_between = ends[:, 0] != ends[:, 1]
+    out = np.zeros(len(areas), dtype=np.int32)
+    for r in np.flatnonzero(area >= smallest).tolist():
+        around = is_between & (ends == r).any(axis=1)
+        if r == main or not around.any():  # the rest of a wall cut in two touches nothing here
+            continue
+        if _mean_step(seams, ends, around, r) >= step * max(1.0, area[r] / (LARGE * area[main])):
+            out[region == r] = r + 1
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class _Points:
+    """Faces of a wall: where on its best plane, how high over it (either side may be up), area, item."""
+
+    foot: FloatArray
+    height: FloatArray
+    area: FloatArray
+    item: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class _HeightMap:
+    """Weights and heights times weights of the cells, and the item that has most of a cell, −1 for none."""
+
+    weight: FloatArray
+    height: FloatArray
+    item: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Seams:
+    """Pairs of items, and sums over the cells along their seam: step (second less first), ridge, number."""
+
+    pairs: IntArray
+    step: FloatArray
+    ridge: FloatArray
+    length: FloatArray
+
+
+def _points(items: Items, inside: BoolArray) -> _Points:
+    owner = items.item_of_face
+    faces = np.flatnonzero((owner >= 0) & inside[owner])
+    area = items.mesh.face_areas[faces]
+    position = items.mesh.face_centroids[faces]
+    position = position - np.average(position, axis=0, weights=area)
+    _, axes = np.linalg.eigh((area * position.T) @ position)
+    return _Points(position @ axes[:, 1:], position @ axes[:, 0], area, owner[faces])
+
+
+def _height_map(points: _Points, cell: float, shift: tuple[float, float]) -> _HeightMap:
+    """Mean height of the faces in each cell, by area."""
+    column, row = np.floor(points.foot / cell + shift).astype(np.int64).T
+    row, column = row - row.min() + MARGIN, column - column.min() + MARGIN
+    shape = (int(row.max()) + MARGIN + 1, int(column.max()) + MARGIN + 1)
+    code = row * shape[1] + column
+    weight = _sums(code, points.area, shape[0] * shape[1])
+    height = _sums(code, points.area * points.height, shape[0] * shape[1])
+    item = _winner(code, points.item, points.area, shape[0] * shape[1])
+    return _HeightMap(weight.reshape(shape), height.reshape(shape), item.reshape(shape))
+
+
+def _sums(place: IntArray, values: FloatArray, n_places: int) -> FloatArray:
+    return np.asarray(np.bincount(place, values, n_places), dtype=np.float64)
+
+
+def _winner(place: IntArray, candidate: IntArray, weight: FloatArray, n_places: int) -> IntArray:
+    """(n_places,) the candidate with most weight at each place, the lowest of equals; −1 for none."""
+    n = int(candidate.max(initial=0)) + 1
+    code, inverse = np.unique(place * n + candidate, return_inverse=True)
+    total = np.bincount(inverse, weight)
+    order = np.lexsort((-code, total, code // n))
+    out = np.full(n_places, -1)
+    out[code[order] // n] = code[order] % n  # the last at a place wins
+    return out
+
+
+def _most_frequent(item: IntArray, region: IntArray, n_items: int) -> IntArray:
+    """(n_items,) the region that most of an item's cells are in; −1 for items not in the map."""
+    is_known = (item >= 0) & (region >= 0)
+    item, region = item[is_known].astype(np.int64), region[is_known]
+    return _winner(item, region, np.ones(len(item)), n_items)
+
+
+def _without_rims(item: IntArray) -> IntArray:
+    """The map's items with the cells of narrow ones given to the broad one beside them.
+
+    Superfacets split a step into narrow strips of middling height, over which both sides would be joined.
+    """
+    size = 2 * RIM + 1
+    low, high = ndimage.minimum_filter(item, size), ndimage.maximum_filter(item, size)
+    is_broad = np.zeros(int(item.max()) + 2, dtype=np.bool_)
+    is_broad[item[(low == high) & (item >= 0)]] = True
+    if not is_broad.any():
+        return item
+    distance, (rows, columns) = ndimage.distance_transform_edt(~is_broad[item], return_indices=True)
+    return np.where((item >= 0) & (distance <= REACH), item[rows, columns], item)
+
+
+def _seams(heights: _HeightMap, item: IntArray) -> _Seams:
+    """Steps and ridges between neighbouring cells of different items, summed over each pair of items.
+
+    The step is that between the mean heights of the third to fifth cells on both sides; what is nearer is
+    rounded by the scan. The ridge is how much the two cells at the seam stand out of that mean.
+    """
+    first, second, steps, ridges = [], [], [], []
+    for axis in (0, 1):
+        beside = np.roll(item, -1, axis)
+        at = np.nonzero((item >= 0) & (beside >= 0) & (item != beside))
+        nothing = np.zeros(len(at[0]))
+        here, there = (_mean(heights, at, axis, (k,), nothing) for k in (0, 1))
+        before = _mean(heights, at, axis, (-2, -3, -4), here)
+        after = _mean(heights, at, axis, (3, 4, 5), there)
+        i, j = item[at], beside[at]
+        first.append(np.minimum(i, j))
+        second.append(np.maximum(i, j))
+        steps.append(np.where(i < j, after - before, before - after))
+        ridges.append(_mean(heights, at, axis, (0, 1), nothing) - (before + after) / 2)
+    low, high = np.concatenate(first), np.concatenate(second)
+    n = int(item.max()) + 1
+    code, inverse = np.unique(low * n + high, return_inverse=True)
+    sums = [_sums(inverse, np.concatenate(v), len(code)) for v in (steps, ridges)]
+    length = _sums(inverse, np.ones(len(inverse)), len(code))
+    return _Seams(np.stack([code // n, code % n], axis=1), *sums, length)
+
+
+def _mean(
+    heights: _HeightMap, at: tuple[IntArray, ...], axis: int, shifts: tuple[int, ...], otherwise: FloatArray
+) -> FloatArray:
+    """Mean height of the cells so far along an axis from places; something else where all are empty."""
+    weight, height = np.zeros(len(otherwise)), np.zeros(len(otherwise))
+    for shift in shifts:
+        cells = tuple(places + shift if a == axis else places for a, places in enumerate(at))
+        weight += heights.weight[cells]
+        height += heights.height[cells]
+    return np.where(weight > 0, height / np.where(weight > 0, weight, 1.0), otherwise)
+
+
+def _merged(nodes: IntArray, seams: _Seams, step: float) -> IntArray:
+    """Root of each node after joining regions whose seam has no step, the surest first.
+
+    Sure is a small mean along a long seam. Sums over seams add up when regions are joined, so the mean is
+    always that of all cells between two regions.
+    """
+    parent = np.arange(int(nodes.max()) + 1)
+    around: dict[int, dict[int, tuple[float, float, float]]] = {int(node): {} for node in nodes}
+    for (i, j), rise, ridge, length in zip(
+        seams.pairs.tolist(), seams.step.tolist(), seams.ridge.tolist(), seams.length.tolist()
+    ):
+        around[i][j], around[j][i] = (rise, ridge, length), (-rise, ridge, length)
+
+    def entry(i: int, j: int) -> tuple[float, int, int, tuple[float, float, float]]:
+        rise, ridge, length = seam = around[i][j]
+        return max(abs(rise), abs(ridge)) / length + DOUBT / length**0.5, i, j, seam
+
+    heap = [entry(i, j) for i, j in seams.pairs.tolist()]
+    heapq.heapify(heap)
+    while heap:
+        _, i, j, seam = heapq.heappop(heap)
+        if i not in around or around[i].get(j) != seam or max(abs(seam[0]), abs(seam[1])) > step * seam[2]:
+            continue
+        if len(around[i]) < len(around[j]):
+            i, j = j, i
+        parent[j] = i
+        del around[i][j], around[j][i]
+        for k, (rise, ridge, length) in around.pop(j).items():
+            del around[k][j]
+            old = around[i].get(k, (0.0, 0.0, 0.0))
+            rise, ridge, length = old[0] + rise, old[1] + ridge, old[2] + length
+            around[i][k], around[k][i] = (rise, ridge, length), (-rise, ridge, length)
+            heapq.heappush(heap, entry(i, k))
+    while not np.array_equal(parent, parent[parent]):
+        parent = parent[parent]
+    return parent
+
+
+def _mean_step(seams: _Seams, ends: IntArray, around: BoolArray, region: int) -> float:
+    """Mean over the cells round a region of the step or ridge, whichever is larger on each side."""
+    other = np.where(ends[around, 0] == region, ends[around, 1], ends[around, 0])
+    sign = np.where(ends[around, 0] == region, 1.0, -1.0)
+    rise = np.bincount(other, sign * seams.step[around])
+    ridge = np.bincount(other, seams.ridge[around])
+    return float(np.maximum(np.abs(rise), np.abs(ridge)).sum() / seams.length[around].sum())

@@ -1,0 +1,169 @@
+"""Walls joined, also bent ones, and what stands out of them parted: on scenes made by hand."""
+
+import numpy as np
+import pytest
+import shapes
+
+from scenewidget.engine.hull import join_planes, segment_planes
+from scenewidget.engine.items import _build, simplified_items
+from scenewidget.engine.mesh import Mesh, face_adjacency
+from scenewidget.engine.relief import separate_reliefs
+
+
+def faces_as_items(mesh):
+    """One item a face."""
+    options = {"coverage": 1.0, "smallest": 0.0, "smallest_simplified": 0.0}
+    return simplified_items(mesh, face_adjacency(mesh), n_faces=10**6, **options)
+
+
+def scene(*parts):
+    """Items a face of parts joined in one mesh, and the part of each item."""
+    mesh = shapes.joined(*parts)
+    return faces_as_items(mesh), np.repeat(np.arange(len(parts)), [p.n_faces for p in parts]).astype(np.int32)
+
+
+def sheet(origin, size, n=6):
+    square = shapes.grid_square(n)
+    return Mesh(square.vertices * [*size, 1] + np.array(origin), square.faces)
+
+
+def test_two_pieces_of_a_floor_become_one():
+    items, part = scene(sheet((0, 0, 0), (2, 2)), sheet((3, 0, 0.01), (2, 1)), sheet((0, 3, 0.8), (1, 1)))
+    assert join_planes(items, part).tolist() == np.where(part == 2, 1, 0).tolist()
+
+
+def test_a_sheet_that_looks_the_other_way_stays():
+    ceiling = sheet((3, 0, 0), (2, 1))
+    items, part = scene(sheet((0, 0, 0), (2, 2)), Mesh(ceiling.vertices, ceiling.faces[:, ::-1]))
+    assert len(set(join_planes(items, part).tolist())) == 2
+
+
+def test_a_table_top_is_no_floor_because_things_lie_behind_it():
+    """Both halves of a table lie in one plane, but the floor is behind them."""
+    items, part = scene(sheet((0, 0, 0), (4, 4)), sheet((0, 0, 0.7), (1.2, 1)), sheet((2, 0, 0.7), (1.2, 1)))
+    assert len(set(join_planes(items, part).tolist())) == 3
+
+
+def test_small_and_rough_pieces_found_nothing():
+    items, part = scene(sheet((0, 0, 0), (0.9, 1)), sheet((2, 0, 0), (0.9, 1)))
+    assert len(set(join_planes(items, part).tolist())) == 2
+    assert len(set(join_planes(items, part, smallest_seed=0.5).tolist())) == 1
+
+
+def test_the_unlabeled_stay_unlabeled():
+    items, part = scene(sheet((0, 0, 0), (2, 2)), sheet((3, 0, 0), (2, 1)))
+    part[:5] = -1
+    joined = join_planes(items, part)
+    assert (joined[:5] == -1).all()
+    assert set(joined[5:].tolist()) == {0}
+
+
+def test_a_bent_wall_is_followed_beyond_its_plane():
+    """Three sheets, each 2 cm above the one before: the last is 4 cm off the first one's plane, out of reach."""
+    parts = [sheet((0, 0, 0), (3, 3)), sheet((3, 0, 0.02), (2, 3)), sheet((5, 0, 0.04), (2, 3))]
+    items, part = scene(*parts)
+    assert set(join_planes(items, part).tolist()) == {0}
+    far = [parts[0], parts[1], sheet((6, 0, 0.04), (2, 3))]
+    assert set(join_planes(*scene(*far)).tolist()) == {0, 1}
+
+
+def test_what_is_followed_is_not_followed_up_a_step():
+    parts = [sheet((0, 0, 0), (3, 3)), sheet((3, 0, 0.02), (2, 3)), sheet((5, 0, 0.06), (2, 3))]
+    assert set(join_planes(*scene(*parts)).tolist()) == {0, 1}
+
+
+def test_a_shell_behind_a_wall_belongs_to_it():
+    back = sheet((0, 0, -0.2), (1, 1))
+    items, part = scene(sheet((0, 0, 0), (6, 6)), Mesh(back.vertices, back.faces[:, ::-1]))
+    assert set(join_planes(items, part).tolist()) == {0}
+    assert set(join_planes(items, part, shell=0.1).tolist()) == {0, 1}
+
+
+def test_planes_say_what_is_hull():
+    items, part = scene(sheet((0, 0, 0), (4, 4)), sheet((0, 0, 0.7), (1.2, 1)), sheet((5, 0, 0.3), (0.5, 1)))
+    planes = segment_planes(items, part)
+    assert planes.is_hull.tolist() == [True, False, False]
+    np.testing.assert_allclose(planes.areas, [16, 1.2, 0.5])
+    np.testing.assert_allclose(planes.normals, np.tile([0, 0, 1], (3, 1)), atol=1e-9)
+
+
+# --- reliefs --------------------------------------------------------------------------------------
+
+
+def floor(height, n=100, noise=0.001):
+    """Patches of a floor 3 m wide: its height at (x, y), and 1 mm of noise."""
+    square = shapes.grid_square(n)
+    x, y = 3 * square.vertices[:, 0], 3 * square.vertices[:, 1]
+    z = height(x, y) + np.random.default_rng(0).normal(scale=noise, size=len(x))
+    mesh = Mesh(np.stack([x, y, z], axis=1), square.faces)
+    cell = np.floor(mesh.face_centroids[:, :2] / 0.15).astype(np.int64)
+    _, patch = np.unique(cell, axis=0, return_inverse=True)
+    return patches(mesh, patch.ravel())
+
+
+def patches(mesh, patch):
+    """Items that are given sets of faces."""
+    patch = patch.astype(np.int32)
+    return _build(mesh, patch, patch, face_adjacency(mesh), mesh.face_normals, {})
+
+
+def carpet(x, y):
+    return (x > 0.6) & (x < 1.8) & (y > 0.9) & (y < 2.1)
+
+
+def share(items, labels, wanted):
+    """Of the area of the label that is found most in a place: how much lies in it, how much of it that is."""
+    x, y, _ = items.centroids.T
+    inside = wanted(x, y)
+    label = np.bincount(labels[inside], items.areas[inside]).argmax()
+    both = items.areas[inside & (labels == label)].sum()
+    return both / items.areas[labels == label].sum(), both / items.areas[inside].sum()
+
+
+@pytest.mark.parametrize("step", [0.012, -0.012])
+def test_a_carpet_is_parted_from_its_floor(step):
+    items = floor(lambda x, y: step * carpet(x, y))
+    labels = separate_reliefs(items, np.zeros(items.n, np.int32))
+    assert labels.max() == 1
+    assert min(share(items, labels, carpet)) > 0.95
+
+
+def test_a_step_below_the_threshold_is_none():
+    items = floor(lambda x, y: 0.004 * carpet(x, y))
+    assert separate_reliefs(items, np.zeros(items.n, np.int32)).max() == 0
+    assert separate_reliefs(items, np.zeros(items.n, np.int32), step=0.002).max() == 1
+
+
+def test_a_bent_floor_is_one():
+    items = floor(lambda x, y: 0.05 * np.sin(x) * np.cos(y))
+    assert separate_reliefs(items, np.zeros(items.n, np.int32)).max() == 0
+
+
+def test_a_door_behind_a_frame_is_parted_although_it_lies_in_the_wall():
+    def frame(x, y):
+        near = np.maximum(np.abs(x - 1.5) - 0.5, np.abs(y - 1.5) - 0.5)
+        return np.abs(near) < 0.04
+
+    items = floor(lambda x, y: 0.03 * frame(x, y))
+    labels = separate_reliefs(items, np.zeros(items.n, np.int32))
+    leaf = labels[np.hypot(items.centroids[:, 0] - 1.5, items.centroids[:, 1] - 1.5) < 0.3]
+    assert (leaf == leaf[0]).all()
+    assert leaf[0] != labels[np.hypot(items.centroids[:, 0], items.centroids[:, 1]).argmin()]
+
+
+def test_small_things_and_what_is_not_of_the_hull_stay():
+    items = floor(lambda x, y: 0.012 * carpet(x, y))
+    nothing = np.zeros(items.n, np.int32)
+    assert separate_reliefs(items, nothing, smallest=2.0).max() == 0
+    assert separate_reliefs(items, np.full(items.n, -1, np.int32)).max() == -1
+    under, part = scene(items.mesh, sheet((0, 0, -0.5), (3, 3)))  # a table top: the floor lies behind it
+    assert separate_reliefs(under, part).max() == 1
+
+
+def test_a_turned_and_moved_floor_gives_the_same_parts():
+    items = floor(lambda x, y: 0.015 * carpet(x, y))
+    moved = Mesh(items.mesh.vertices @ shapes.rotation().T + [5.0, -3.0, 2.0], items.mesh.faces)
+    nothing = np.zeros(items.n, np.int32)
+    expected = separate_reliefs(items, nothing)
+    assert expected.max() == 1
+    assert (separate_reliefs(patches(moved, items.item_of_face), nothing) == expected).mean() > 0.97
