@@ -59,7 +59,7 @@ def test_the_unlabeled_stay_unlabeled():
 
 
 def test_a_bent_wall_is_followed_beyond_its_plane():
-    """Three sheets, each 2 cm above the one before: the last is 4 cm off the first one's plane, out of reach."""
+    """Each sheet lies 2 cm above the one before, the last out of reach of the first one's plane."""
     parts = [sheet((0, 0, 0), (3, 3)), sheet((3, 0, 0.02), (2, 3)), sheet((5, 0, 0.04), (2, 3))]
     items, part = scene(*parts)
     assert set(join_planes(items, part).tolist()) == {0}
