@@ -225,9 +225,9 @@ def _seams(heights: _HeightMap, item: IntArray) -> _Seams:
     low, high = np.concatenate(first), np.concatenate(second)
     n = int(item.max()) + 1
     code, inverse = np.unique(low * n + high, return_inverse=True)
-    sums = [_sums(inverse, np.concatenate(v), len(code)) for v in (steps, ridges)]
+    step, ridge = (_sums(inverse, np.concatenate(values), len(code)) for values in (steps, ridges))
     length = _sums(inverse, np.ones(len(inverse)), len(code))
-    return _Seams(np.stack([code // n, code % n], axis=1), *sums, length)
+    return _Seams(np.stack([code // n, code % n], axis=1), step, ridge, length)
 
 
 def _mean(
