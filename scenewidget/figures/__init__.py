@@ -14,6 +14,7 @@ from scenewidget.figures.charts import Chart, coassociation, spectrum
 from scenewidget.figures.drawing import Drawing
 from scenewidget.figures.motion import vibration
 from scenewidget.figures.orbit import Figure
+from scenewidget.figures.progress import sweep
 from scenewidget.figures.scale import ColorScale
 from scenewidget.figures.views import compare, show, side_by_side
 
@@ -27,5 +28,6 @@ __all__ = [
     "show",
     "side_by_side",
     "spectrum",
+    "sweep",
     "vibration",
 ]
