@@ -297,7 +297,8 @@ def filter_normals(
     return here
 
 
-@numba.njit(cache=True, nogil=True, fastmath=True)
+# reordered or fused arithmetic (all of fastmath) is hardly faster, and differs from processor to processor
+@numba.njit(cache=True, nogil=True, fastmath={"nnan", "ninf", "nsz"})
 def _sweep(here, there, areas, indptr, indices, width, start, stop):  # type: ignore[no-untyped-def]
     for i in range(start, stop):
         x, y, z = here[i, 0], here[i, 1], here[i, 2]

@@ -1,5 +1,9 @@
 """Coverage rules by hand, simplification and the way back, normal filtering by its formula."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import shapes
@@ -209,3 +213,34 @@ def test_a_degenerate_face_learns_from_its_neighbours():
     mesh = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0]], [[0, 1, 2], [0, 1, 3]])
     normals = filter_normals(mesh, face_adjacency(mesh), sweeps=1)
     np.testing.assert_allclose(normals, [[0, 0, 1]] * 2)
+
+
+FILTERED = """
+import hashlib, numpy as np, shapes
+from scenewidget.engine.mesh import face_adjacency
+from scenewidget.engine.preprocess import filter_normals
+mesh = shapes.icosphere(3)
+noisy = type(mesh)(mesh.vertices + np.random.default_rng(0).normal(0, 0.02, mesh.vertices.shape), mesh.faces)
+digest = hashlib.sha256(filter_normals(noisy, face_adjacency(noisy)).tobytes()).hexdigest()
+"""
+
+
+def test_normals_are_the_same_on_a_processor_without_fused_multiplication(tmp_path):
+    """Segments grow from the last digits of normals; a notebook's numbers shall hold on other machines."""
+    here = {}
+    exec(FILTERED, here)
+    plain = {
+        **os.environ,
+        "NUMBA_CPU_NAME": "generic",
+        "NUMBA_CPU_FEATURES": "",
+        "NUMBA_CACHE_DIR": str(tmp_path),
+    }
+    plain["PYTHONPATH"] = os.pathsep.join(sys.path)
+    there = subprocess.run(
+        [sys.executable, "-c", FILTERED + "print(digest)"],
+        env=plain,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert there.stdout.strip() == here["digest"], there.stderr
