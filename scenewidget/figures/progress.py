@@ -42,7 +42,7 @@ def sweep(values: Iterable[T], *, title: str = "") -> Iterator[T]:
     box = widgets.HBox([bar, text])
     if get_ipython() is not None:
         shown = {**box._repr_mimebundle_(), "text/plain": ""}
-        display(shown, raw=True)
+        display(shown, raw=True)  # type: ignore[no-untyped-call]
     try:
         for done, value in enumerate(todo, start=1):
             yield value

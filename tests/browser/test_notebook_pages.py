@@ -1,4 +1,4 @@
-"""The notebooks on spectral geometry as a reader goes through them: run, scroll, look, turn, slide."""
+"""Notebooks 02 to 10 as a reader goes through them: run, scroll, look, turn, slide."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import View
 from PIL import Image
 
 from scenewidget.figures.raster import Camera
@@ -23,9 +24,10 @@ SCROLL = """index => {
     book.activeCellIndex = index;
     book.scrollToItem(index, "start");
 }"""
-CELLS_WITH_FIGURES = """() => [...window.jupyterapp.shell.currentWidget.context.model.cells]
+CELLS_SHOWING = """words => [...window.jupyterapp.shell.currentWidget.context.model.cells]
     .map((cell, i) => [cell, i])
-    .filter(([cell]) => cell.type === 'code' && JSON.stringify(cell.outputs.toJSON()).includes('widget-view'))
+    .filter(([cell]) => cell.type === 'code' && cell.outputs.toJSON().some(
+        output => words.some(word => `${output.data?.["text/plain"] ?? ""}`.startsWith(word))))
     .map(([, i]) => i)"""
 
 
@@ -72,19 +74,84 @@ def wait_until_drawn(book, figure) -> np.ndarray:
     return picture
 
 
-@pytest.mark.parametrize(
-    ("name", "n_figures"),
-    [("02", 6), ("03", 6), ("04", 6), ("05", 7)],
-    ids=["a scan is a graph", "two Laplacians", "the spectrum", "signatures"],
-)
-def test_every_figure_is_drawn_and_nothing_logs_an_error(run, name, n_figures):
-    book = run(name)
-    cells = book.page.evaluate(CELLS_WITH_FIGURES)
+def look_at_everything(book, n_figures, n_views=0):
+    """Scroll through the notebook; every picture in it must show something."""
+    cells = book.page.evaluate(CELLS_SHOWING, ["Figure(", "SpectralExplorer("])
     assert len(cells) >= n_figures
     for cell in cells:
         figures = figures_of(book, cell)
         for i in range(figures.count()):
             assert is_drawn(wait_until_drawn(book, figures.nth(i))), f"cell {cell}, figure {i} is blank"
+    cells = book.page.evaluate(CELLS_SHOWING, ["SceneWidget(", "SceneView("])
+    assert len(cells) >= n_views
+    for cell in cells:
+        assert is_drawn(scene_of(book, cell).pixels()), f"cell {cell}: the scene is blank"
+
+
+def scene_of(book, cell):
+    """The scene of a cell, scrolled to and complete."""
+    book.page.evaluate(SCROLL, cell)
+    root = book.page.locator(f'.jp-Cell[data-windowed-list-index="{cell}"] .scenewidget')
+    root.wait_for(state="attached", timeout=15_000)
+    root.evaluate("root => root.scrollIntoView({ block: 'center' })")
+    view = View(book.page, root)
+    view.wait("ready", "true", timeout=30)
+    view.wait("busy", "false", timeout=30)
+    view.settle()
+    return view
+
+
+def slide(book, label, value):
+    """Type a number into the readout of a slider."""
+    slider = book.page.locator(".widget-slider").filter(has_text=label).last
+    slider.locator(".widget-readout").click()
+    book.page.keyboard.press("Control+A")
+    book.page.keyboard.type(value)
+    book.page.keyboard.press("Enter")
+
+
+@pytest.mark.parametrize(
+    ("name", "n_figures"),
+    [("02", 6), ("03", 6), ("04", 6), ("05", 7), ("06", 3), ("07", 3), ("08", 3)],
+    ids=[
+        *("a scan is a graph", "two Laplacians", "the spectrum", "signatures"),
+        *("distances", "an ensemble", "consensus"),
+    ],
+)
+def test_every_figure_is_drawn_and_nothing_logs_an_error(run, name, n_figures):
+    book = run(name)
+    look_at_everything(book, n_figures)
+    assert book.errors == []
+
+
+def test_notebook_09_shows_its_session_in_two_windows_and_goes_through_the_history(run):
+    book = run("09")
+    look_at_everything(book, 1, n_views=2)
+    second = scene_of(book, book.page.evaluate(CELLS_SHOWING, ["SceneView("])[0])
+    slide(book, "edits", "0")
+    at_first = book.evaluate("seg.n_segments")
+    second.wait("segments", at_first, timeout=20)
+    assert book.evaluate("len(w.session.edits)") == "0"
+    first = scene_of(book, book.page.evaluate(CELLS_SHOWING, ["SceneWidget("])[0])
+    first.wait("segments", at_first, timeout=20)
+    assert book.errors == []
+
+
+def test_the_knobs_of_notebook_10_change_picture_and_errors(run):
+    book = run("10")
+    look_at_everything(book, 2)
+    cell = book.page.evaluate(CELLS_SHOWING, ["Figure("])[-1]
+    picture = figures_of(book, cell).first
+    before = wait_until_drawn(book, picture)
+    title = book.page.locator(".scenewidget-figure").last
+    told = title.text_content()
+    slide(book, "k_range", "10 - 12")
+    slide(book, "S", "5")
+    book.page.wait_for_function(
+        "([title, told]) => title.textContent !== told", arg=[title.element_handle(), told], timeout=60_000
+    )
+    book.page.wait_for_function(DONE, timeout=60_000)
+    assert (np.abs(before.astype(int) - wait_until_drawn(book, picture)) > 30).any(axis=2).mean() > 0.02
     assert book.errors == []
 
 
