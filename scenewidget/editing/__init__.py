@@ -6,6 +6,7 @@ from scenewidget.editing.fingerprint import Fingerprint, fingerprint
 from scenewidget.editing.formats import FormatError, export, import_labels
 from scenewidget.editing.project import ProjectError
 from scenewidget.editing.session import Event, Session, Step, apply_edits
+from scenewidget.editing.suggestions import Suggestion
 from scenewidget.editing.vocabulary import NYU40, SCANNET20, nyu_class, nyu_id
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "Session",
     "Split",
     "Step",
+    "Suggestion",
     "apply_edits",
     "export",
     "fingerprint",

@@ -241,7 +241,7 @@ class Partition:
         return change
 
     def _change(self, atoms: IntArray) -> Change:
-        n_faces = int(self._faces_of_atom[atoms].sum())
+        n_faces = int(self.atom_faces[atoms].sum())
         return Change(atoms, self.segment[atoms], self.names, self.atoms.n, self._next_id, n_faces)
 
     def _refine(self, is_inside: BoolArray) -> None:
@@ -251,7 +251,7 @@ class Partition:
         self._parent = np.concatenate([self._parent, parents])
         self.segment = np.concatenate([self.segment, self.segment[parents]])
         self.parts = {level: np.concatenate([part, part[parents]]) for level, part in self.parts.items()}
-        for table in ("_faces_of_atom", "_area", "_sure_area", "_pieces"):
+        for table in ("atom_faces", "_area", "_sure_area", "_pieces"):
             self.__dict__.pop(table, None)
 
     def _ancestors(self, n_atoms: int) -> IntArray:
@@ -262,7 +262,8 @@ class Partition:
         return out
 
     @cached_property
-    def _faces_of_atom(self) -> IntArray:
+    def atom_faces(self) -> IntArray:
+        """(n_atoms,) number of faces of each atom."""
         return np.bincount(self.atoms.face_atom, minlength=self.atoms.n)
 
     @cached_property

@@ -86,6 +86,7 @@ class Project:
     confidence: npt.NDArray[Any]
     levels: Mapping[str, npt.NDArray[Any]]
     names: tuple[str, ...]
+    keys: npt.NDArray[Any] | None
     timings: Mapping[str, float]
     report: Mapping[str, Any]
     params: Params | None
@@ -112,6 +113,7 @@ class Project:
             confidence=np.asarray(automatic.confidence),
             levels=automatic.levels,
             names=tuple(automatic.names),
+            keys=automatic.keys,
             timings=automatic.timings,
             report=automatic.report,
             params=params,
@@ -128,6 +130,7 @@ class Project:
             self.confidence,
             levels=dict(self.levels),
             names=self.names,
+            keys=self.keys,
             timings=self.timings,
             report=self.report,
         )

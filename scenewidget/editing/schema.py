@@ -87,12 +87,14 @@ def insert_operations(connection: sqlite3.Connection, operations: Iterable[Opera
 def write_segmentation(connection: sqlite3.Connection, project: Project) -> None:
     """Write the automatic segmentation over the one that is there, within the caller's transaction."""
     connection.execute(
-        "DELETE FROM array WHERE name = 'labels' OR name = 'confidence' OR name LIKE 'level/%'"
+        "DELETE FROM array WHERE name IN ('labels', 'confidence', 'keys') OR name LIKE 'level/%'"
     )
     _put_array(connection, "labels", project.labels)
     _put_array(connection, "confidence", project.confidence)
     for level, parts in project.levels.items():
         _put_array(connection, f"level/{level}", parts)
+    if project.keys is not None:
+        _put_array(connection, "keys", project.keys)
     _put_fact(connection, "names", list(project.names))
     _put_fact(connection, "timings", _plain(project.timings))
     _put_fact(connection, "report", _plain(project.report))
@@ -193,7 +195,7 @@ def load_project(connection: sqlite3.Connection, name: str, *, recover: bool) ->
         if digest != _digest(b"", *row[:4]):
             raise ProjectError(f"its array {array_name!r:.60} was changed")
         shape = json.loads(shape_text)
-        expected = [found.n_faces] if array_name in columns else [None, 3]
+        expected = [found.n_faces] if array_name in columns else [None, None if array_name == "keys" else 3]
         if dtype not in DTYPES or len(shape) != len(expected):
             raise ProjectError(f"its array {array_name!r:.60} has an unknown form")
         for size, wanted in zip(shape, expected, strict=True):
@@ -215,6 +217,7 @@ def load_project(connection: sqlite3.Connection, name: str, *, recover: bool) ->
         confidence=arrays["confidence"],
         levels={level: arrays[f"level/{level}"] for level in LEVELS if f"level/{level}" in arrays},
         names=tuple(str(text) for text in facts["names"]),
+        keys=arrays.get("keys"),
         timings=dict(facts["timings"]),
         report=dict(facts["report"]),
         params=_load_params(facts["params"], name),

@@ -24,6 +24,7 @@ from scenewidget.editing.fingerprint import fingerprint, living_mesh
 from scenewidget.editing.partition import Change, Partition
 from scenewidget.editing.project import Operation, Project, ProjectError, read_log
 from scenewidget.editing.store import ProjectFile
+from scenewidget.editing.suggestions import Suggestion, SuggestionKey, suggest, suggestion_key
 from scenewidget.editing.vocabulary import NYU40, checked_vocabulary
 from scenewidget.engine.atoms import Atoms
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, MeshError, load_mesh
@@ -200,6 +201,7 @@ class Session:
             self._operations.append(Operation(time.time(), "vocabulary", names=self._vocabulary))
         self._current: Segmentation | None = None
         self._revision = 0
+        self._dismissed: set[SuggestionKey] = set()
         self._observers: list[Callable[[Event], None]] = []
         self._file: ProjectFile | None = None
         self._n_durable = 0
@@ -353,6 +355,7 @@ class Session:
         with self._lock:
             partition = Partition(_of_mesh(segmentation, self.mesh), self._partition.known_cuts)
             self._partition, self._params = partition, params
+            self._dismissed.clear()
             done = [step for step, _ in self._done]
             self._done = []
             for step in done:
@@ -488,6 +491,35 @@ class Session:
         """
         with self._lock:
             return self._partition.part(face, level, action=action)
+
+    def suggestions(self, n: int = 10) -> list[Suggestion]:
+        """The merges and splits that are most worth looking at, the largest expected gain first.
+
+        From the ensemble alone, without a truth: `do(suggestion.edit)` follows one, `dismiss(suggestion)`
+        rejects it. Nothing that a person decided is put in question. Some 20 ms at 1.5 million faces.
+
+        Parameters
+        ----------
+        n : int
+            At most so many.
+
+        Returns
+        -------
+        list of Suggestion
+            Shorter where fewer edits can be expected to help; empty for a segmentation that no ensemble
+            made.
+        """
+        if isinstance(n, bool) or not hasattr(n, "__index__") or int(n) < 0:
+            raise ValueError(f"n must be a whole number from 0, got {n!r:.200}")
+        with self._lock:
+            if self._partition.automatic.keys is None:
+                return []
+            return suggest(self._partition, int(n), frozenset(self._dismissed))
+
+    def dismiss(self, suggestion: Suggestion) -> None:
+        """Don't suggest this again, in this session and until another segmentation comes underneath."""
+        with self._lock:
+            self._dismissed.add(suggestion_key(self._partition, suggestion))
 
     def observe(self, callback: Callable[[Event], None]) -> Callable[[], None]:
         """Call ``callback(event)`` after every change; returns what ends that.

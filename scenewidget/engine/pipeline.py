@@ -31,6 +31,7 @@ from scenewidget.engine.consensus import (
 from scenewidget.engine.dihedral import dihedral_partition
 from scenewidget.engine.distances import MinPlusFactor, edge_costs, edge_weights, weight_graph
 from scenewidget.engine.ensemble import allocate, felzenszwalb_members, k_medoids_members
+from scenewidget.engine.evidence import calibrated
 from scenewidget.engine.family import Family, make_family
 from scenewidget.engine.features import (
     delta_coordinates,
@@ -355,7 +356,7 @@ def stages(params: Params) -> dict[str, Stage]:
             relief=p.relief,
             min_area=p.min_area,
         ),
-        stage("segmentation", _segmentation, "items", "dihedral", "coassociation", "finish"),
+        stage("segmentation", _segmentation, "items", "dihedral", "ensemble", "coassociation", "finish"),
     ]
     if p.granularity is not None:
         if p.consensus != "linkage":
@@ -669,6 +670,7 @@ def _segmentation(
     mesh: Mesh,
     items: Items,
     dihedral: IntArray,
+    keys: IntArray,
     co: CoAssociation,
     finished: tuple[IntArray, FloatArray],
     *,
@@ -696,6 +698,7 @@ def _segmentation(
             "dihedral": dihedral if is_raw else np.append(dihedral, -1)[face_map],
             "base": np.append(co.base, -1)[face_map],
         },
+        keys=keys[np.unique(co.base, return_index=True)[1]],
         items=items,
         item_labels=rank[labels],
         face_map=face_map,
@@ -725,7 +728,10 @@ def _cut(mesh: Mesh, family: Family, *, monitor: Monitor, n_segments: int) -> Se
 
 
 def _confidence(co: CoAssociation, labels: IntArray) -> FloatArray:
-    """(n_items,) mean co-association of an item with its segment, by area: how often the runs agree."""
+    """(n_items,) probability that an item and its segment are one thing.
+
+    From their mean co-association, by area: how often the runs agree.
+    """
     n, n_base = int(labels.max()) + 1, len(co.weights)
     code, index, inverse = np.unique(
         co.base.astype(np.int64) * n + labels, return_index=True, return_inverse=True
@@ -737,4 +743,4 @@ def _confidence(co: CoAssociation, labels: IntArray) -> FloatArray:
     agreement = np.asarray(co.C @ member.toarray()) if n * n_base < 2e7 else np.asarray((member.T @ co.C).T)
     mass = np.asarray(member.sum(axis=0)).ravel()
     share = np.clip(agreement[base, segment_of] / mass[segment_of], 0.0, 1.0)
-    return np.asarray(share[inverse])
+    return calibrated(share[inverse])

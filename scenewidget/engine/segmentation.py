@@ -38,12 +38,14 @@ class Segmentation:
         Segment of each face, 0 the largest by area, -1 unlabeled. Any integers are accepted and
         renumbered by `from_labels`; the constructor wants them dense already.
     confidence : (n_faces,) float32, optional
-        How much the ensemble agrees with the label, 0 to 1; 1 where there was no ensemble, 0 where
-        unlabeled.
+        Probability that another face of its segment belongs to the same thing, from how well the ensemble
+        agrees (`engine.evidence.calibrated`); 1 where there was no ensemble, 0 where unlabeled.
     levels : mapping of level to (n_faces,) int32
         Part ids of the recommendation levels "dihedral" and "base" (thesis 3.6); -1 unlabeled.
     names : sequence of str
         Name of each segment; "" where it has none.
+    keys : (n_base, n_runs) int32, optional
+        Cluster of each part of the level "base" in each run of the ensemble, -1 where the run did not see it.
     items : Items, optional
         What was clustered.
     item_labels : (n_items,) int32, optional
@@ -62,6 +64,7 @@ class Segmentation:
     confidence: FloatArray = None  # type: ignore[assignment]  # set below where not given
     levels: Mapping[str, IntArray] = field(default_factory=dict)
     names: Sequence[str] = ()
+    keys: IntArray | None = None
     items: Items | None = None
     item_labels: IntArray | None = None
     face_map: IntArray | None = None
@@ -91,11 +94,13 @@ class Segmentation:
         names = tuple(self.names) or ("",) * (highest + 1)
         if len(names) != highest + 1:
             raise ValueError(f"names must have one entry a segment: {highest + 1}, got {len(names)}")
+        keys = None if self.keys is None else _checked_keys(self.keys, levels.get("base"))
         for key, value in (
             ("labels", labels),
             ("confidence", confidence),
             ("levels", MappingProxyType(levels)),
             ("names", names),
+            ("keys", keys),
             ("timings", MappingProxyType(dict(self.timings))),
             ("report", MappingProxyType(dict(self.report))),
         ):
@@ -225,6 +230,21 @@ def order_by_area(labels: IntArray, areas: FloatArray) -> tuple[IntArray, IntArr
     rank[order] = np.arange(len(old), dtype=np.int32)
     out[keep] = rank[inverse]
     return out, old[order].astype(np.int64)
+
+
+def _checked_keys(keys: Any, base: IntArray | None) -> IntArray:
+    array = np.asarray(keys)
+    n_base = 0 if base is None else int(base.max()) + 1
+    if base is None or array.ndim != 2 or len(array) < n_base:
+        raise ValueError(
+            f"keys must have a row for each of the {n_base} parts of levels['base'], got {array.shape}"
+        )
+    if array.dtype.kind not in "iu":
+        raise TypeError(f"keys must be whole numbers, got dtype {array.dtype}")
+    if array.dtype != np.int32 or array.flags.writeable:
+        array = np.array(array, dtype=np.int32)
+        array.flags.writeable = False
+    return array
 
 
 def _face_array(name: str, value: Any, n_faces: int, dtype: Any) -> Any:
