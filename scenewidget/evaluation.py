@@ -28,7 +28,7 @@ from scenewidget.metrics import (
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["METRICS", "evaluate"]
+__all__ = ["METRICS", "evaluate", "reliability"]
 
 By = Literal["faces", "area"]
 
@@ -102,6 +102,59 @@ def evaluate(
     table = pd.DataFrame.from_dict(rows, orient="index", columns=[*columns, "coverage", "n_segments"])
     table["n_truth"] = _count(actual)
     return table.rename_axis("segmentation")
+
+
+def reliability(
+    segmentation: Segmentation, truth: Segmentation | IntArray, *, n_bins: int = 10
+) -> pd.DataFrame:
+    """How far the confidence can be trusted, in bins.
+
+    Parameters
+    ----------
+    segmentation : Segmentation
+    truth : Segmentation or (n_faces,) int
+    n_bins : int
+        Of equal width, 0 to 1.
+
+    Returns
+    -------
+    table : pandas.DataFrame
+        A row a bin that holds faces, index "bin". ``confidence``, the mean; ``right``, the share of pairs
+        rightly joined, of a face in the bin and another one of its segment; ``share`` of the faces. Faces
+        that either leaves unlabeled, or that are alone in their segment, don't count.
+        The expected calibration error is ``(t.share * (t.confidence - t.right).abs()).sum()``.
+
+    References
+    ----------
+    Naeini, Cooper and Hauskrecht (2015), AAAI.
+    """
+    import pandas as pd
+
+    if not isinstance(segmentation, Segmentation):
+        raise TypeError(f"segmentation must be a Segmentation, got {type(segmentation).__name__}")
+    if isinstance(n_bins, bool) or not isinstance(n_bins, (int, np.integer)) or n_bins < 1:
+        raise ValueError(f"n_bins must be a whole number from 1, got {n_bins!r}")
+    _, actual = _check_truth(truth, segmentation.mesh)
+    keep = (segmentation.labels >= 0) & (actual >= 0)
+    label = segmentation.labels[keep]
+    size = np.bincount(label, minlength=segmentation.n_segments)[label]
+    cell = label.astype(np.int64) * (int(actual.max()) + 1) + actual[keep]
+    _, inverse, count = np.unique(cell, return_inverse=True, return_counts=True)
+    is_pair = size > 1
+    right = (count[inverse][is_pair] - 1) / (size[is_pair] - 1)
+    confidence = segmentation.confidence[keep][is_pair].astype(np.float64)
+    place = np.clip((confidence * n_bins).astype(int), 0, n_bins - 1)
+    faces = np.bincount(place, minlength=n_bins)
+    rows = np.flatnonzero(faces)
+    sums = [np.bincount(place, values, n_bins)[rows] for values in (confidence, right)]
+    return pd.DataFrame(
+        {
+            "confidence": sums[0] / faces[rows],
+            "right": sums[1] / faces[rows],
+            "share": faces[rows] / max(1, len(confidence)),
+        },
+        index=pd.Index(rows, name="bin"),
+    )
 
 
 def _row(

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+import shapes
 
 from scenewidget import metrics
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.segmentation import Segmentation
-from scenewidget.evaluation import METRICS, evaluate
+from scenewidget.evaluation import METRICS, evaluate, reliability
 
 
 def strip(widths):
@@ -127,3 +128,48 @@ def test_a_truth_without_area_is_refused():
     mesh = Mesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]])
     with pytest.raises(ValueError, match="only faces without area"):
         evaluate({"x": [0]}, [0], mesh)
+
+
+# --- reliability ----------------------------------------------------------------------------------
+
+
+def test_reliability_matches_its_definition():
+    mesh = shapes.box(2)
+    rng = np.random.default_rng(0)
+    labels, actual = rng.integers(0, 3, mesh.n_faces), rng.integers(-1, 3, mesh.n_faces)
+    confidence = rng.random(mesh.n_faces)
+    segmentation = Segmentation.from_labels(mesh, labels, confidence=confidence)
+    table = reliability(segmentation, actual, n_bins=4)
+    right = {}
+    for f in np.flatnonzero(actual >= 0):
+        others = [g for g in np.flatnonzero(actual >= 0) if g != f and labels[g] == labels[f]]
+        row = right.setdefault(int(np.float32(confidence[f]) * 4), [])
+        row.append(np.mean([actual[g] == actual[f] for g in others]))
+    assert table.index.tolist() == sorted(right)
+    np.testing.assert_allclose(table["right"], [np.mean(right[b]) for b in sorted(right)])
+    np.testing.assert_allclose(table["share"].sum(), 1)
+
+
+def test_a_confidence_that_is_a_probability_has_no_calibration_error():
+    mesh = shapes.box(2)
+    actual = np.arange(mesh.n_faces) % 2
+    share = (mesh.n_faces / 2 - 1) / (mesh.n_faces - 1)
+    one = Segmentation.from_labels(mesh, 0 * actual, confidence=np.full(mesh.n_faces, share))
+    (row,) = reliability(one, actual).itertuples()
+    assert row.confidence == pytest.approx(row.right, abs=1e-6)
+    assert row.share == 1.0
+
+
+def test_faces_that_are_alone_say_nothing_about_pairs():
+    mesh = shapes.box(2)
+    alone = Segmentation.from_labels(mesh, np.arange(mesh.n_faces))
+    assert len(reliability(alone, np.zeros(mesh.n_faces, int))) == 0
+
+
+def test_reliability_refuses_what_it_cannot_judge():
+    mesh = shapes.box(2)
+    labels = np.zeros(mesh.n_faces, int)
+    with pytest.raises(TypeError, match="segmentation must be a Segmentation, got ndarray"):
+        reliability(labels, labels)
+    with pytest.raises(ValueError, match="n_bins must be a whole number from 1, got 0"):
+        reliability(Segmentation.from_labels(mesh, labels), labels, n_bins=0)

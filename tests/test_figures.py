@@ -3,6 +3,7 @@ import gc
 import io
 
 import numpy as np
+import pandas as pd
 import pytest
 from PIL import Image
 from shapes import box, grid_square, icosphere, joined, tetrahedron
@@ -368,6 +369,16 @@ def test_charts_display_themselves():
     for line in chart.axes[0].lines:
         np.testing.assert_allclose(line.get_ydata(), basis.values)
     assert chart._repr_mimebundle_()["text/plain"] == "Chart()"
+
+
+def test_reliability_draws_a_dot_a_bin_and_says_how_far_off_they_are():
+    table = pd.DataFrame({"confidence": [0.5, 0.9], "right": [0.6, 0.7], "share": [0.25, 0.75]})
+    chart = figures.reliability({"a": table, "b": table.iloc[:1]}, title="t")
+    lines = chart.axes[0].lines
+    np.testing.assert_array_equal(lines[1].get_xydata(), [[0.5, 0.6], [0.9, 0.7]])
+    assert lines[1].get_label() == "a: off by 0.175 on average"
+    assert [bar.get_height() for bar in chart.axes[0].patches] == [0.25, 0.75]
+    assert "image/png" in chart._repr_mimebundle_()
 
 
 def test_coassociation_brings_equal_labels_together_largest_first():

@@ -10,7 +10,7 @@ the browser draws are the same thing.
 
 from __future__ import annotations
 
-from scenewidget.figures.charts import Chart, coassociation, spectrum
+from scenewidget.figures.charts import Chart, coassociation, reliability, spectrum
 from scenewidget.figures.drawing import Drawing
 from scenewidget.figures.motion import vibration
 from scenewidget.figures.orbit import Figure
@@ -25,6 +25,7 @@ __all__ = [
     "Figure",
     "coassociation",
     "compare",
+    "reliability",
     "show",
     "side_by_side",
     "spectrum",

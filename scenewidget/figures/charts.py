@@ -1,4 +1,4 @@
-"""Charts where 2D says more: eigenvalues, co-association matrices."""
+"""Charts where 2D says more: eigenvalues, co-association matrices, reliability."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scipy import sparse
 
 from scenewidget.engine.operators import Eigenbasis
 
-__all__ = ["Chart", "coassociation", "spectrum"]
+__all__ = ["Chart", "coassociation", "reliability", "spectrum"]
 
 
 class Chart(MatplotlibFigure):
@@ -111,4 +111,40 @@ def coassociation(
     axes.set(xticks=[], yticks=[], title=title)
     axes.set_xlabel(f"{n} items" + ("" if labels is None else ", sorted by label"))
     chart.colorbar(image, ax=axes, label="share of clusterings that join them")
+    return chart
+
+
+def reliability(table: Any, *, title: str = "") -> Chart:
+    """How far the confidence can be trusted: a dot a bin, on the diagonal where it is right.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame, or mapping of name to such a table
+        As `scenewidget.evaluation.reliability` returns it; several are drawn in one chart. Bars show the
+        share of the faces in each bin of the first.
+    title : str
+    """
+    given = dict(table) if isinstance(table, dict) else {"": table}
+    chart = Chart(figsize=(5.2, 4.4), layout="constrained")
+    axes = chart.subplots()
+    axes.plot([0, 1], [0, 1], color="0.6", linewidth=1, linestyle="--")
+    for i, (name, rows) in enumerate(given.items()):
+        confidence, right, share = (
+            np.asarray(rows[key], np.float64) for key in ("confidence", "right", "share")
+        )
+        error = float((share * np.abs(confidence - right)).sum())
+        label = f"{name}: " if name else ""
+        label += f"off by {error:.3f} on average"
+        if i == 0:
+            axes.bar(confidence, share, width=0.04, color="0.85", label="share of the faces")
+        axes.plot(confidence, right, "o-", markersize=5, color=f"C{i}", label=label)
+    axes.set(
+        xlim=(0, 1),
+        ylim=(0, 1),
+        xlabel="confidence",
+        ylabel="share of face pairs rightly joined",
+        title=title,
+    )
+    axes.legend(frameon=False, loc="upper left")
+    axes.spines[["top", "right"]].set_visible(False)
     return chart
