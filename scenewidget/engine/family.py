@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import sparse
 
+from scenewidget.engine.evidence import agreement_behind, calibrated
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.engine.segmentation import Segmentation, order_by_area
 
@@ -91,8 +92,8 @@ class Family:
     def cut(self, n_segments: int) -> Segmentation:
         """The segmentation with exactly so many segments.
 
-        Its confidence is that of ``segmentation`` times how much better or worse the runs agree with an
-        item's segment here than there, at most 1.
+        Behind its confidence is the agreement behind that of ``segmentation``, times how much better or worse
+        the runs agree with an item's segment here than there, at most 1.
 
         Raises
         ------
@@ -111,7 +112,7 @@ class Family:
         return dataclasses.replace(
             run,
             labels=labels,
-            confidence=np.clip(run.confidence * factor, 0.0, 1.0),
+            confidence=calibrated(np.clip(agreement_behind(run.confidence) * factor, 0.0, 1.0)),
             names=(),
             item_labels=item_labels,
             timings={},

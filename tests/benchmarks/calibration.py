@@ -56,18 +56,18 @@ def fit_pairs(pairs: pd.DataFrame) -> tuple[float, float]:
 
 
 def fit_confidence(bins: pd.DataFrame) -> np.ndarray:
-    """Values at the knots, rising, by least squares."""
+    """Values at the knots, rising from 0, by least squares."""
     x, right, share = (bins[name].to_numpy() for name in ("confidence", "right", "share"))
     hats = np.stack([np.interp(x, KNOTS, unit) for unit in np.eye(len(KNOTS))], axis=1)
-    steps = hats @ np.tril(np.ones((len(KNOTS), len(KNOTS))))
+    steps = (hats @ np.tril(np.ones((len(KNOTS), len(KNOTS)))))[:, 1:]
     # a little pull towards even steps where no face is
-    pull = 1e-3 * np.eye(len(KNOTS))
+    pull = 1e-2 * np.eye(len(KNOTS) - 1)
     root = np.sqrt(share)[:, None]
     values, _ = nnls(
         np.concatenate([steps * root, pull]),
-        np.concatenate([right * root[:, 0], pull @ np.diff(KNOTS, prepend=0)]),
+        np.concatenate([right * root[:, 0], pull @ np.diff(KNOTS)]),
     )
-    return np.cumsum(values)
+    return np.concatenate([[0.0], np.cumsum(values)])
 
 
 def error(bins: pd.DataFrame) -> float:
