@@ -20,6 +20,9 @@ State, synced both ways (observe or set any of them)
     Draw faces seen from behind; off lets one look into a room from outside.
 ``segment_list`` : bool
     Whether the list of segments is open beside the picture.
+``up`` : ``"auto"``, ``"x"``, ``"y"``, ``"z"``, ``"-x"``, ``"-y"``, ``"-z"``, or a vector
+    Which way is up in the mesh. ``"auto"`` looks for the axis that floor and ceiling face, see
+    `scenewidget.widget.upright.detect_up`, and takes z where the surface doesn't tell.
 ``theme`` : ``"auto"``, ``"light"``, ``"dark"``
     ``"auto"`` follows the host.
 ``mode`` : ``"navigate"``, ``"edit"``
@@ -109,6 +112,7 @@ from scenewidget.widget.palette import (
     inherited_colors,
     palette,
 )
+from scenewidget.widget.upright import AXES, checked_up, detect_up
 
 __all__ = ["SceneView"]
 
@@ -142,6 +146,7 @@ class SceneView(anywidget.AnyWidget):
     outlines = traitlets.Bool(True).tag(sync=True)
     back_faces = traitlets.Bool(False).tag(sync=True)
     segment_list = traitlets.Bool(False).tag(sync=True)
+    up = traitlets.Any("auto")
     theme = traitlets.Enum(("auto", "light", "dark"), "auto").tag(sync=True)
     mode = traitlets.Enum(("navigate", "edit"), "navigate").tag(sync=True)
     editable = traitlets.Bool(False).tag(sync=True)
@@ -164,6 +169,7 @@ class SceneView(anywidget.AnyWidget):
     segment_names = traitlets.Dict(read_only=True).tag(sync=True)
     values_legend = traitlets.Dict(read_only=True).tag(sync=True)
 
+    _up = traitlets.List(traitlets.Float(), [0.0, 0.0, 1.0]).tag(sync=True)  # unit vector
     _camera = traitlets.Dict().tag(sync=True)  # as it last stood still on any page
     _channel = traitlets.Unicode().tag(sync=True)  # on which controls speak to it
     _is_preview = traitlets.Bool(False).tag(sync=True)
@@ -207,16 +213,26 @@ class SceneView(anywidget.AnyWidget):
         self._spare_rows: IntArray = np.zeros(0, np.int64)
         self._row_of_id: dict[int, int] = {}
         self._preview_items: Items | None = None
+        options["up"] = up = checked_up(options.get("up", "auto"))
         arrays = _geometry(mesh)
         if mesh.vertex_colors is not None:
             options.setdefault("color_by", "scan")
         super().__init__(
             _esm=_bundled("scene_view.js"),
             _css=_bundled("scene_view.css"),
+            _up=_up_vector(up, mesh),
             _headers={name: _header(array) for name, array in arrays.items()},
             **{f"_{name}": array.tobytes() for name, array in arrays.items()},
             **options,
         )
+
+    @traitlets.validate("up")
+    def _check_up(self, proposal: Any) -> Any:
+        return checked_up(proposal["value"])
+
+    @traitlets.observe("up")
+    def _take_up(self, change: Any) -> None:
+        self._up = _up_vector(change["new"], self.mesh)
 
     def __repr__(self) -> str:
         segments = f", {self.n_segments} segments" if self._atoms is not None else ""
@@ -496,7 +512,7 @@ class SceneView(anywidget.AnyWidget):
         }
         state = {name: getattr(self, name) for name in self.traits(sync=True) if name in _own_names()}
         state |= {"editable": False, "mode": "navigate", "busy": False, "status": "", "error": ""}
-        state["_camera"] = self._camera
+        state |= {"_camera": self._camera, "_up": self._up}
         page = make_page(
             state,
             arrays,
@@ -650,6 +666,11 @@ def _codes(values: FloatArray) -> npt.NDArray[np.uint16]:
         np.uint16
     )
     return codes
+
+
+def _up_vector(up: Any, mesh: Mesh) -> list[float]:
+    vector = np.array(AXES[detect_up(mesh) if up == "auto" else up] if isinstance(up, str) else up)
+    return [float(value) for value in vector / np.linalg.norm(vector)]
 
 
 def _header(array: npt.NDArray[Any]) -> dict[str, Any]:

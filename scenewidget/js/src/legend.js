@@ -16,10 +16,10 @@ const N_STOPS = 18;
 /** Directions and their names, as the shader colours them: half plus half the normal. @type {Array<[number[], string]>} */
 const DIRECTIONS = [
   [[1, 0, 0], "+x"],
-  [[-1, 0, 0], "−x"],
   [[0, 1, 0], "+y"],
-  [[0, -1, 0], "−y"],
   [[0, 0, 1], "up"],
+  [[-1, 0, 0], "−x"],
+  [[0, -1, 0], "−y"],
   [[0, 0, -1], "down"],
 ];
 

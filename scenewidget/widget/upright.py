@@ -1,0 +1,66 @@
+"""Which way is up in a scan.
+
+Goes in: what a person said, or "auto", and the mesh. Comes out: a unit vector. Scanners write z up, y up, or
+whatever their first camera saw; nothing in a file tells.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from scenewidget.engine.mesh import Mesh
+
+__all__ = ["AXES", "checked_up", "detect_up"]
+
+AXES: dict[str, tuple[float, float, float]] = {
+    "x": (1.0, 0.0, 0.0),
+    "y": (0.0, 1.0, 0.0),
+    "z": (0.0, 0.0, 1.0),
+    "-x": (-1.0, 0.0, 0.0),
+    "-y": (0.0, -1.0, 0.0),
+    "-z": (0.0, 0.0, -1.0),
+}
+ALIGNED = 0.94  # cosine up to which a face counts as facing an axis: 20 degrees
+N_SAMPLED = 100_000  # faces that are enough to tell
+LEAST_SHARE = 0.1  # of the area, facing along the axis, for any conclusion
+CLEARLY = 1.25  # how much better than z another axis must be, and how much more must face down than up
+
+
+def checked_up(up: Any) -> str | tuple[float, float, float]:
+    """A name as it is, a vector as a tuple; ValueError if it is neither."""
+    if isinstance(up, str) and (up == "auto" or up in AXES):
+        return up
+    try:
+        x, y, z = (float(value) for value in up)
+    except (TypeError, ValueError):
+        x = y = z = math.nan
+    if isinstance(up, str) or not 0.0 < math.hypot(x, y, z) < math.inf:
+        names = ", ".join(repr(name) for name in ("auto", *AXES))
+        raise ValueError(f"up must be one of {names} or a vector (x, y, z) other than 0, got {up!r}")
+    return x, y, z
+
+
+def detect_up(mesh: Mesh) -> str:
+    """Name of the axis that is up, by where the surface faces; "z" where that doesn't tell.
+
+    Floor and ceiling together are larger than a pair of opposite walls, and a room is wider than high: so
+    the axis is the one with most area facing along it (within 20 degrees) per metre of extent. Of its two
+    ends, up is where more area faces: table tops are scanned, their undersides aren't. Whatever isn't +z must
+    win clearly. A tilted scan, an object or a detail of a wall doesn't tell; then say it.
+    """
+    some = slice(None, None, max(1, mesh.n_faces // N_SAMPLED))
+    areas, normals = mesh.face_areas[some], mesh.face_normals[some]
+    faces_up = np.array([areas[normals[:, k] > ALIGNED].sum() for k in range(3)])
+    faces_down = np.array([areas[normals[:, k] < -ALIGNED].sum() for k in range(3)])
+    facing = faces_up + faces_down
+    low, high = np.percentile(mesh.vertices[mesh.faces[some, 0]], [1, 99], axis=0)
+    score = facing / np.maximum(high - low, 1e-3 * max(float((high - low).max()), 1e-12))
+    axis = int(np.argmax(score))
+    if score[axis] <= CLEARLY * score[2] or facing[axis] < LEAST_SHARE * areas.sum():
+        axis = 2
+    slack = CLEARLY if axis == 2 else 1.0
+    is_down = facing[axis] >= LEAST_SHARE * areas.sum() and faces_down[axis] > slack * faces_up[axis]
+    return ("-" if is_down else "") + "xyz"[axis]
