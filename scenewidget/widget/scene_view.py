@@ -18,6 +18,9 @@ State, synced both ways (observe or set any of them)
     Dark lines between segments (between parts if parts are coloured).
 ``back_faces`` : bool
     Draw faces seen from behind; off lets one look into a room from outside.
+``section`` : three pairs (low, high), each from 0 to 1
+    What is drawn of the scan: parts of its extent along the walls, across them, and upwards. An end at 0 or 1
+    cuts nothing; ``[(0, 1), (0, 1), (0, 0.8)]`` takes a room's ceiling off.
 ``segment_list`` : bool
     Whether the list of segments is open beside the picture.
 ``up`` : ``"auto"``, ``"x"``, ``"y"``, ``"z"``, ``"-x"``, ``"-y"``, ``"-z"``, or a vector
@@ -58,8 +61,8 @@ Methods
 -------
 ``set_partition(levels, segments, names=None)``, ``set_segments(segments, names=None)``,
 ``clear_partition()``, ``set_values(values, ...)``, ``answer(message)``, ``fit()``, ``look_from_above()``,
-``reset()``, ``to_html(path)``, ``show_preview(items, labels)``, ``end_preview()``, ``set_family(family)``;
-``segment_colors`` is the (n_segments, 3) uint8 table in use, for legends and lists.
+``look_from_inside()``, ``reset()``, ``to_html(path)``, ``show_preview(items, labels)``, ``end_preview()``,
+``set_family(family)``; ``segment_colors`` is the (n_segments, 3) uint8 table in use, for legends and lists.
 
 Messages from the browser, received with ``view.on_msg(lambda view, message, buffers: ...)``
 ---------------------------------------------------------------------------------------------
@@ -118,6 +121,7 @@ __all__ = ["SceneView"]
 
 STATIC = Path(__file__).parent.parent / "static"
 SAVE_STATES = ("", "unsaved", "saving", "saved", "failed", "read-only")
+WHOLE = [(0.0, 1.0)] * 3
 N_SPARE = 6  # colours for segments that the browser makes before Python knows of them
 MAX_CLIENTS = 32  # pages that show a view at the same time
 NOT_SAVED = {"face_item", "preview_segment", "preview_colors", "face_piece", "family_merges", "family_colors"}
@@ -145,6 +149,9 @@ class SceneView(anywidget.AnyWidget):
     level = traitlets.Unicode().tag(sync=True)
     outlines = traitlets.Bool(True).tag(sync=True)
     back_faces = traitlets.Bool(False).tag(sync=True)
+    section = traitlets.List(
+        traitlets.Tuple(traitlets.Float(), traitlets.Float()), WHOLE, minlen=3, maxlen=3
+    ).tag(sync=True)
     segment_list = traitlets.Bool(False).tag(sync=True)
     up = traitlets.Any("auto")
     theme = traitlets.Enum(("auto", "light", "dark"), "auto").tag(sync=True)
@@ -225,6 +232,13 @@ class SceneView(anywidget.AnyWidget):
             **{f"_{name}": array.tobytes() for name, array in arrays.items()},
             **options,
         )
+
+    @traitlets.validate("section")
+    def _check_section(self, proposal: Any) -> Any:
+        for low, high in proposal["value"]:
+            if not 0.0 <= low < high <= 1.0:
+                raise ValueError(f"section must hold pairs 0 <= low < high <= 1, got ({low:g}, {high:g})")
+        return proposal["value"]
 
     @traitlets.validate("up")
     def _check_up(self, proposal: Any) -> Any:
@@ -484,6 +498,10 @@ class SceneView(anywidget.AnyWidget):
         """Look straight down, like a floor plan."""
         self.send({"kind": "look", "from": "above"})
 
+    def look_from_inside(self) -> None:
+        """Stand in the room, at eye height."""
+        self.send({"kind": "look", "from": "inside"})
+
     def reset(self) -> None:
         """Go back to the first view."""
         self.send({"kind": "look", "from": "start"})
@@ -512,6 +530,7 @@ class SceneView(anywidget.AnyWidget):
         }
         state = {name: getattr(self, name) for name in self.traits(sync=True) if name in _own_names()}
         state |= {"editable": False, "mode": "navigate", "busy": False, "status": "", "error": ""}
+        state |= {"save_state": "", "notices": []}
         state |= {"_camera": self._camera, "_up": self._up}
         page = make_page(
             state,

@@ -251,6 +251,13 @@ class Notebook:
             raise AssertionError(f"{answer['ename']}: {answer['evalue']}")
         return answer["data"]["text/plain"]
 
+    def wait_for(self, expression: str, value: object, *, timeout: float = 10) -> None:
+        """Wait until a Python expression has a value in the kernel."""
+        deadline = time.monotonic() + timeout
+        while (seen := self.evaluate(expression)) != repr(value):
+            assert time.monotonic() < deadline, f"{expression} is still {seen}, not {value!r}"
+            self.page.wait_for_timeout(50)
+
     def execute(self, code: str) -> None:
         """Run statements in the kernel, outside any cell."""
         assert self.evaluate(f"exec({code!r})") == "None"

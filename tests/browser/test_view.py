@@ -236,6 +236,13 @@ def test_right_click_and_keys_stay_in_the_view(room):
         arg=view.root.get_by_role("button", name="Back faces").element_handle(),
     )
     assert view.page.locator(".jp-Notebook .jp-Cell").count() == 1
+    view.root.get_by_role("button", name="Outlines").focus()
+    view.page.keyboard.press("b")  # likewise while a button has the focus
+    view.page.wait_for_function(
+        "b => b.getAttribute('aria-pressed') === 'false'",
+        arg=view.root.get_by_role("button", name="Back faces").element_handle(),
+    )
+    assert view.page.locator(".jp-Notebook .jp-Cell").count() == 1
     view.page.keyboard.press("?")
     view.root.get_by_role("dialog").wait_for()
     view.page.keyboard.press("Escape")

@@ -6,13 +6,19 @@
  */
 
 /** @typedef {[number, number, number]} Vec3 */
-/** @typedef {{ target: Vec3, yaw: number, pitch: number, distance: number }} Camera */
+/**
+ * @typedef {object} Camera
+ * @property {Vec3} target
+ * @property {number} yaw
+ * @property {number} pitch
+ * @property {number} distance
+ * @property {number} [tangent]  of half the height of the picture as an angle; narrow by default
+ */
 /** @typedef {{ eye: Vec3, right: Vec3, up: Vec3, forward: Vec3 }} Frame */
 /** @typedef {{ middle: Vec3, radius: number }} Ball */
 
-/** Height of the picture as an angle: narrow, so that rooms don't look stretched. */
-export const FIELD_OF_VIEW = (36 * Math.PI) / 180;
-const TANGENT = Math.tan(FIELD_OF_VIEW / 2);
+/** Of half the height of the picture as an angle: narrow, so that rooms don't look stretched. */
+export const TANGENT = Math.tan((18 * Math.PI) / 180);
 const STEEPEST = Math.PI / 2;
 const FIRST_PITCH = (42 * Math.PI) / 180;
 
@@ -54,7 +60,7 @@ export function orbit(camera, turn, rise) {
  */
 export function pan(camera, dx, dy) {
   const { right, up } = frame(camera);
-  const height = 2 * TANGENT * camera.distance;
+  const height = 2 * (camera.tangent ?? TANGENT) * camera.distance;
   return { ...camera, target: add(add(camera.target, right, -dx * height), up, dy * height) };
 }
 
@@ -82,7 +88,8 @@ export function zoom(camera, factor, point, nearest) {
  */
 export function ray(camera, x, y, aspect) {
   const { right, up, forward } = frame(camera);
-  return add(add(forward, right, x * TANGENT * aspect), up, y * TANGENT);
+  const { tangent = TANGENT } = camera;
+  return add(add(forward, right, x * tangent * aspect), up, y * tangent);
 }
 
 /**
@@ -97,8 +104,9 @@ export function projectionView(camera, aspect, { middle, radius }) {
   const depth = dot(subtract(middle, eye), forward);
   const near = Math.max(depth - radius, 0.002 * radius, 1e-6);
   const far = Math.max(depth + radius, near * 2);
-  const sx = 1 / (TANGENT * aspect);
-  const sy = 1 / TANGENT;
+  const { tangent = TANGENT } = camera;
+  const sx = 1 / (tangent * aspect);
+  const sy = 1 / tangent;
   const sz = (far + near) / (far - near);
   const tz = (-2 * far * near) / (far - near);
   const [rx, ry, rz] = [-dot(right, eye), -dot(up, eye), -dot(forward, eye)];
@@ -122,7 +130,8 @@ export function project(camera, point, aspect) {
   const away = subtract(point, eye);
   const depth = dot(away, forward);
   if (depth <= 0) return null;
-  return [dot(away, right) / (depth * TANGENT * aspect), dot(away, up) / (depth * TANGENT)];
+  const { tangent = TANGENT } = camera;
+  return [dot(away, right) / (depth * tangent * aspect), dot(away, up) / (depth * tangent)];
 }
 
 /**
@@ -135,8 +144,8 @@ export function project(camera, point, aspect) {
  */
 export function fit(camera, points, aspect, margin = 0.1) {
   const { right, up, forward } = frame(camera);
-  const ty = TANGENT * (1 - margin);
-  const tx = TANGENT * aspect * (1 - margin);
+  const ty = (camera.tangent ?? TANGENT) * (1 - margin);
+  const tx = ty * aspect;
   // a point (x, y, z) of the camera's axes is inside if |x - cx| <= (z + d) tx and |y - cy| <= (z + d) ty
   const worst = { left: -Infinity, right: -Infinity, bottom: -Infinity, top: -Infinity };
   for (let i = 0; i < points.length; i += 3) {

@@ -1,5 +1,6 @@
 /** Pieces of the page. */
 
+const CONTROLS = new Set(["button", "select", "input"]);
 const ICONS = {
   fit: "M2.5 6V2.5H6M10 2.5h3.5V6M13.5 10v3.5H10M6 13.5H2.5V10",
   above: "M8 2 14 5 8 8 2 5ZM2 8.2l6 3 6-3M2 11.2l6 3 6-3",
@@ -10,6 +11,9 @@ const ICONS = {
   redo: "M10 3l3.2 3.2L10 9.4M13 6.2H6.8a3.6 3.6 0 0 0 0 7.2h2.7",
   list: "M2.5 4h1M6 4h7.5M2.5 8h1M6 8h7.5M2.5 12h1M6 12h7.5",
   save: "M3 2.5h8l2.5 2.5v8.5h-11v-10ZM5.2 2.7v3.6h5V2.7M4.8 13.3V9h6.4v4.3",
+  inside:
+    "M8 2.2a1.7 1.7 0 1 1 0 3.4 1.7 1.7 0 0 1 0-3.4M5.2 10.2V8.6a2.8 2.8 0 0 1 5.6 0v1.6M6.6 10v3.8M9.4 10v3.8",
+  section: "M2.5 6.5 8 4l5.5 2.5v5L8 14l-5.5-2.5ZM2.5 6.5 8 9l5.5-2.5M8 9v5M1.5 2.5h13",
   close: "M4 4l8 8M12 4l-8 8",
 };
 
@@ -22,6 +26,8 @@ const ICONS = {
  */
 export function element(tag, attributes = {}, children = []) {
   const node = document.createElement(tag);
+  // JupyterLab looks for it from the focused element upwards, but asks each one for shortcuts first
+  if (CONTROLS.has(tag)) node.setAttribute("data-lm-suppress-shortcuts", "true");
   for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
   node.append(...children);
   return node;

@@ -16,7 +16,7 @@ import { readArray } from "./wire.js";
 
 /** @typedef {import("./wire.js").Model} Model */
 
-const GEOMETRY = ["vertices", "faces", "vertex_colors"];
+const GEOMETRY = ["vertices", "faces", "vertex_colors", "up"];
 const PARTITION = ["face_atom", "atom_part", "atom_segment", "segment_colors", "atom_confidence"];
 const VALUES = ["face_value", "colormap"];
 const PREVIEW = [
@@ -31,7 +31,17 @@ const GROUPS = {
   values: arrays(VALUES),
   state: [
     ...["color_by", "color_mix", "outlines", "back_faces", "height", "mode", "editable", "vocabulary"],
-    ...["segment_list", "busy", "progress", "status", "error", "undo_title", "redo_title", "values_legend"],
+    ...[
+      "segment_list",
+      "section",
+      "busy",
+      "progress",
+      "status",
+      "error",
+      "undo_title",
+      "redo_title",
+      "values_legend",
+    ],
     ...["save_state", "save_note", "notices"],
   ],
 };
@@ -49,6 +59,12 @@ function render({ model, el }) {
   };
   const panel = createPanel(el, {
     look: (from) => viewer?.lookFrom(from),
+    goInside: (isInside) => viewer?.goInside(isInside),
+    section: {
+      set: (ranges) => set("section", ranges),
+      ceiling: () => set("section", view.openedAbove),
+      leave: () => root.focus({ preventScroll: true }),
+    },
     set,
     cancel: () => model.send({ kind: "cancel" }),
     walk: (kind) => editing.walk(kind),
@@ -88,6 +104,7 @@ function render({ model, el }) {
       onFailure: (error) => panel.showFailure(`The 3D view has stopped: ${messageOf(error)}`),
       onMove: () => {
         root.dataset.moving = "true";
+        if (viewer) panel.showInside(viewer.isInside);
         pointing.stretch();
         linking.place();
       },
@@ -163,6 +180,7 @@ function render({ model, el }) {
       outlines: model.get("outlines"),
       backFaces: model.get("back_faces"),
     });
+    view.setSection(model.get("section"));
     panel.update({
       colorBy: model.get("color_by"),
       hasScan: view.mesh?.colors != null,
@@ -175,6 +193,8 @@ function render({ model, el }) {
       outlines: model.get("outlines"),
       backFaces: model.get("back_faces"),
       segmentList: model.get("segment_list"),
+      section: model.get("section"),
+      lengths: view.lengths,
       mixing: model.get("color_mix"),
       busy: model.get("busy"),
       progress: model.get("progress"),

@@ -1,6 +1,8 @@
 /** Key presses on a view: finds what each means and has it done. */
 
-import { command } from "./keys.js";
+import { command, wayOf } from "./keys.js";
+import { WHOLE } from "./section.js";
+import { createWalking } from "./walking.js";
 
 /**
  * @param {object} around
@@ -25,7 +27,7 @@ export function listenToKeys({ model, view, panel, pointing, editing, signal }) 
     const target = event.target instanceof HTMLElement ? event.target : root;
     if (target.matches("select, input") && event.key !== "Escape") return;
     if (target.matches("button") && (event.key === "Enter" || event.key === " ")) return;
-    const ordered = command(event, model.get("mode"));
+    const ordered = command(event, model.get("mode"), view.isInside);
     if (!ordered || (ordered.kind === "save" && !model.get("editable"))) return;
     event.preventDefault();
     event.stopPropagation();
@@ -46,6 +48,9 @@ export function listenToKeys({ model, view, panel, pointing, editing, signal }) 
       case "zoom":
         view.apply({ ...ordered, x: view.size.width / 2, y: view.size.height / 2 });
         break;
+      case "walk":
+        walking.start(ordered.way);
+        break;
       case "look":
         view.lookFrom(ordered.from);
         break;
@@ -54,6 +59,9 @@ export function listenToKeys({ model, view, panel, pointing, editing, signal }) 
         break;
       case "toggle":
         if (ordered.what === "help") panel.showHelp(!panel.isHelpShown());
+        else if (ordered.what === "inside") view.goInside(!view.isInside);
+        else if (ordered.what === "section") panel.section.show(!panel.section.isShown());
+        else if (ordered.what === "ceiling") set("section", view.isCut ? WHOLE : view.openedAbove);
         else if (ordered.what !== "mode") set(ordered.what, !model.get(ordered.what));
         else if (model.get("editable")) set("mode", model.get("mode") === "edit" ? "navigate" : "edit");
         break;
@@ -79,5 +87,9 @@ export function listenToKeys({ model, view, panel, pointing, editing, signal }) 
         editing.walk(ordered.kind);
     }
   };
+  const walking = createWalking(view);
   root.addEventListener("keydown", onKey, { signal });
+  root.addEventListener("keyup", (event) => walking.stop(wayOf(event.key)), { signal });
+  root.addEventListener("focusout", () => walking.stop(), { signal });
+  signal.addEventListener("abort", () => walking.stop());
 }

@@ -6,7 +6,8 @@
  * @typedef {{ kind: "orbit" | "pan", dx: number, dy: number }
  *   | { kind: "zoom", factor: number }
  *   | { kind: "look", from: "here" | "above" | "start" }
- *   | { kind: "toggle", what: "outlines" | "back_faces" | "segment_list" | "help" | "mode" }
+ *   | { kind: "walk", way: import("./walk.js").Way }
+ *   | { kind: "toggle", what: "outlines" | "back_faces" | "segment_list" | "section" | "ceiling" | "inside" | "help" | "mode" }
  *   | { kind: "level", index: number }
  *   | { kind: "part", what: PartAction }
  *   | { kind: "undo" | "redo" | "escape" | "choose" | "show_all" | "save" }} Command
@@ -24,6 +25,9 @@ export const NAVIGATION_HELP = [
   ["Shift + F", "fit the scan into the view"],
   ["T", "look from above"],
   ["R", "back to the first view"],
+  ["V", "stand in the room, and back"],
+  ["X", "cut the scan open with a box"],
+  ["Shift + X", "cut the ceiling off, or show the whole scan"],
   ["1 – 9", "level"],
   ["H", "hide the segment under the pointer"],
   ["I", "hide all others"],
@@ -51,6 +55,17 @@ export const EDIT_HELP = [
 /** Of both kinds: what to say where one can go from looking to editing and back. @type {[string, string]} */
 export const MODE_HELP = ["E", "look or edit"];
 
+/** While standing in the room. @type {Array<[string, string]>} */
+export const WALK_HELP = [
+  ["W A S D, ↑ ↓", "walk"],
+  ["← →", "turn"],
+  ["Page up, Page down", "rise, sink"],
+  ["Drag (Shift + drag while editing)", "look around"],
+  ["Wheel", "go on along the view"],
+  ["Double click", "go there"],
+  ["V", "back outside"],
+];
+
 /** Keys act on what is under the pointer; without one, on what is in the middle. */
 export const AIM_HELP = "Without a mouse, all of this happens to what is in the middle of the picture.";
 
@@ -72,12 +87,32 @@ const COMMANDS = {
   o: { kind: "toggle", what: "outlines" },
   b: { kind: "toggle", what: "back_faces" },
   l: { kind: "toggle", what: "segment_list" },
+  v: { kind: "toggle", what: "inside" },
+  x: { kind: "toggle", what: "section" },
   "?": { kind: "toggle", what: "help" },
   escape: { kind: "escape" },
 };
 
 /** @type {Record<string, Command>} */
-const WITH_SHIFT = { f: { kind: "look", from: "here" }, h: { kind: "show_all" } };
+const WITH_SHIFT = {
+  f: { kind: "look", from: "here" },
+  h: { kind: "show_all" },
+  x: { kind: "toggle", what: "ceiling" },
+};
+
+/** @type {Record<string, import("./walk.js").Way>} */
+const WAYS = {
+  w: "forward",
+  s: "back",
+  a: "left",
+  d: "right",
+  arrowup: "forward",
+  arrowdown: "back",
+  arrowleft: "turn_left",
+  arrowright: "turn_right",
+  pageup: "up",
+  pagedown: "down",
+};
 
 /** @type {Record<string, Command>} */
 const EDIT_COMMANDS = {
@@ -90,9 +125,10 @@ const EDIT_COMMANDS = {
  * The command of a key press; null for keys that are not ours, which the host may have.
  * @param {{ key: string, shiftKey: boolean, ctrlKey: boolean, metaKey: boolean, altKey: boolean }} event
  * @param {"navigate" | "edit"} mode
+ * @param {boolean} [isInside]  whether one stands in the room
  * @returns {Command | null}
  */
-export function command(event, mode) {
+export function command(event, mode, isInside = false) {
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
   if (event.altKey) return null;
   if (event.ctrlKey || event.metaKey) {
@@ -101,6 +137,8 @@ export function command(event, mode) {
     if (key === "z") return { kind: event.shiftKey ? "redo" : "undo" };
     return key === "y" ? { kind: "redo" } : null;
   }
+  const way = wayOf(key);
+  if (isInside && way && !event.shiftKey) return { kind: "walk", way };
   if (key in ARROWS) {
     const [dx, dy] = ARROWS[key];
     return { kind: event.shiftKey ? "pan" : "orbit", dx: dx * STEP, dy: dy * STEP };
@@ -110,4 +148,9 @@ export function command(event, mode) {
   return (
     (event.shiftKey && WITH_SHIFT[name]) || (mode === "edit" && EDIT_COMMANDS[name]) || COMMANDS[name] || null
   );
+}
+
+/** Where a key leads while one stands in the room. @param {string} key */
+export function wayOf(key) {
+  return WAYS[key.toLowerCase()];
 }

@@ -2,6 +2,7 @@
 
 import { confidenceColor } from "./confidence.js";
 import { element } from "./elements.js";
+import { axisNames } from "./upright.js";
 import { readArray } from "./wire.js";
 
 /**
@@ -13,14 +14,14 @@ import { readArray } from "./wire.js";
  */
 
 const N_STOPS = 18;
-/** Directions and their names, as the shader colours them: half plus half the normal. @type {Array<[number[], string]>} */
+/** Directions of the upright room, in pairs below each other. */
 const DIRECTIONS = [
-  [[1, 0, 0], "+x"],
-  [[0, 1, 0], "+y"],
-  [[0, 0, 1], "up"],
-  [[-1, 0, 0], "−x"],
-  [[0, -1, 0], "−y"],
-  [[0, 0, -1], "down"],
+  [1, 0, 0],
+  [0, 1, 0],
+  [0, 0, 1],
+  [-1, 0, 0],
+  [0, -1, 0],
+  [0, 0, -1],
 ];
 
 /**
@@ -49,10 +50,9 @@ export function legendOf(model) {
     case "normals": {
       const color = (/** @type {number[]} */ normal) =>
         `rgb(${normal.map((x) => Math.round(127.5 + 127.5 * x)).join(" ")})`;
-      return {
-        title: "Facing",
-        samples: DIRECTIONS.map(([normal, name]) => [color(normal), name]),
-      };
+      const [first, second] = axisNames(model.get("_up") ?? [0, 0, 1]);
+      const names = [first, second, "up", opposite(first), opposite(second), "down"];
+      return { title: "Facing", samples: DIRECTIONS.map((normal, i) => [color(normal), names[i]]) };
     }
     default:
       return null;
@@ -85,6 +85,11 @@ export function createLegend() {
       );
     },
   };
+}
+
+/** @param {string} axis  such as "+x" */
+function opposite(axis) {
+  return axis.replace(/[+−]/, (sign) => (sign === "+" ? "−" : "+"));
 }
 
 /** @param {number} value */

@@ -2,15 +2,19 @@
 
 import { element, iconButton, textButton } from "./elements.js";
 import { createKeeping } from "./keeping.js";
-import { AIM_HELP, EDIT_HELP, MODE_HELP, NAVIGATION_HELP } from "./keys.js";
+import { AIM_HELP, EDIT_HELP, MODE_HELP, NAVIGATION_HELP, WALK_HELP } from "./keys.js";
 import { createLegend } from "./legend.js";
 import { createNaming } from "./naming.js";
 import { createRubber } from "./rubber.js";
+import { isWhole } from "./section.js";
+import { createSectionPanel } from "./sectionpanel.js";
 import { createSegmentList } from "./segmentlist.js";
 
 /**
  * @typedef {object} Actions
  * @property {(from: "here" | "above" | "start") => void} look
+ * @property {(isInside: boolean) => void} goInside
+ * @property {import("./sectionpanel.js").SectionActions} section
  * @property {(name: string, value: unknown) => void} set  a piece of the model's state
  * @property {() => void} cancel
  * @property {(kind: "undo" | "redo") => void} walk  through the history
@@ -35,6 +39,8 @@ import { createSegmentList } from "./segmentlist.js";
  * @property {boolean} outlines
  * @property {boolean} backFaces
  * @property {boolean} segmentList  whether it is open
+ * @property {import("./section.js").Range[]} section
+ * @property {number[]} lengths  of the scan, that the section is part of
  * @property {number} mixing
  * @property {boolean} busy
  * @property {number} progress
@@ -66,6 +72,8 @@ export function createPanel(host, actions) {
   const fit = iconButton("fit", "Fit", "Shift + F");
   const above = iconButton("above", "Top view", "T");
   const start = iconButton("start", "Reset view", "R");
+  const inside = iconButton("inside", "First-person view", "V");
+  const section = iconButton("section", "Section", "X");
   const outlines = iconButton("outlines", "Outlines", "O");
   const backFaces = iconButton("backFaces", "Back faces", "B");
   const segmentList = iconButton("list", "List of segments", "L");
@@ -107,8 +115,8 @@ export function createPanel(host, actions) {
     hiddenGroup,
     modes,
     history,
-    element("div", { class: "sw-group" }, [outlines, backFaces]),
-    element("div", { class: "sw-group" }, [fit, above, start]),
+    element("div", { class: "sw-group" }, [outlines, backFaces, section]),
+    element("div", { class: "sw-group" }, [fit, above, inside, start]),
     element("div", { class: "sw-group" }, [segmentList, help]),
   ]);
 
@@ -133,12 +141,14 @@ export function createPanel(host, actions) {
   const error = element("div", { class: "sw-error", role: "alert", hidden: "" }, [errorText, dismiss]);
 
   const helpList = element("div", { class: "sw-keys" });
+  const walkList = element("div", { class: "sw-keys" });
+  const walkTitle = element("div", { class: "sw-keys-title" }, ["Standing in the room"]);
   const aimHelp = element("div", { class: "sw-aim-help" }, [AIM_HELP]);
   const closeHelp = textButton("Close");
   const helpCard = element(
     "div",
     { class: "sw-help", role: "dialog", "aria-label": "Keys and gestures", hidden: "" },
-    [helpList, aimHelp, closeHelp],
+    [helpList, walkTitle, walkList, aimHelp, closeHelp],
   );
 
   const legend = createLegend();
@@ -169,6 +179,7 @@ export function createPanel(host, actions) {
   const naming = createNaming(() => root.focus({ preventScroll: true }));
   const rubber = createRubber();
   const list = createSegmentList(actions.list);
+  const sectionPanel = createSectionPanel(actions.section);
   const aim = element("div", { class: "sw-aim", "aria-hidden": "true", hidden: "" });
 
   const preview = element("div", { class: "sw-preview", role: "status", hidden: "" }, ["Preview"]);
@@ -207,7 +218,7 @@ export function createPanel(host, actions) {
           busy,
           error,
         ],
-        ...[keeping.bars, naming.element, helpCard],
+        ...[keeping.bars, naming.element, sectionPanel.element, helpCard],
       ]),
       list.element,
     ],
@@ -220,6 +231,18 @@ export function createPanel(host, actions) {
     if (isShown) closeHelp.focus({ preventScroll: true });
     else root.focus({ preventScroll: true });
   };
+  const showKeys = (/** @type {{ editable: boolean, mode: string }} */ { editable, mode }) => {
+    const keys = [
+      ...(editable ? [MODE_HELP] : []),
+      ...(mode === "edit" ? [...EDIT_HELP, ...NAVIGATION_HELP.slice(2)] : NAVIGATION_HELP),
+    ];
+    const row = (/** @type {[string, string]} */ [key, what]) => [
+      element("b", {}, [key]),
+      element("span", {}, [what]),
+    ];
+    helpList.replaceChildren(...keys.flatMap(row));
+    walkList.replaceChildren(...WALK_HELP.flatMap(row));
+  };
   fit.onclick = () => actions.look("here");
   above.onclick = () => actions.look("above");
   start.onclick = () => actions.look("start");
@@ -227,6 +250,8 @@ export function createPanel(host, actions) {
   closeHelp.onclick = () => showHelp(false);
   outlines.onclick = () => actions.set("outlines", !isPressed(outlines));
   backFaces.onclick = () => actions.set("back_faces", !isPressed(backFaces));
+  inside.onclick = () => actions.goInside(!isPressed(inside));
+  section.onclick = () => sectionPanel.show(!sectionPanel.isShown());
   segmentList.onclick = () => actions.set("segment_list", !isPressed(segmentList));
   colorBy.onchange = () => actions.set("color_by", colorBy.value);
   level.onchange = () => actions.set("level", level.value);
@@ -266,6 +291,14 @@ export function createPanel(host, actions) {
     aim,
     preview,
     list,
+    section: sectionPanel,
+
+    /** @param {boolean} isInside  whether one stands in the room */
+    showInside(isInside) {
+      if (root.dataset.inside === String(isInside)) return;
+      root.dataset.inside = String(isInside);
+      inside.setAttribute("aria-pressed", String(isInside));
+    },
 
     /** Say something for a few seconds, beside whatever else is shown. @param {string} text */
     remark(text) {
@@ -304,6 +337,8 @@ export function createPanel(host, actions) {
       mixing.value = String(state.mixing);
       outlines.setAttribute("aria-pressed", String(state.outlines));
       backFaces.setAttribute("aria-pressed", String(state.backFaces));
+      section.setAttribute("aria-pressed", String(!isWhole(state.section)));
+      sectionPanel.update(state.section, state.lengths);
       segmentList.hidden = !state.hasPartition;
       segmentList.setAttribute("aria-pressed", String(state.segmentList));
       list.show(state.segmentList && state.hasPartition);
@@ -346,13 +381,7 @@ export function createPanel(host, actions) {
         }, PENDING_MS);
       }
 
-      const keys = [
-        ...(state.editable ? [MODE_HELP] : []),
-        ...(state.mode === "edit" ? [...EDIT_HELP, ...NAVIGATION_HELP.slice(2)] : NAVIGATION_HELP),
-      ];
-      helpList.replaceChildren(
-        ...keys.flatMap(([key, what]) => [element("b", {}, [key]), element("span", {}, [what])]),
-      );
+      showKeys(state);
       summary = state.summary;
       said = state.busy ? "" : state.status;
       showStatus();

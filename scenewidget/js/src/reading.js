@@ -3,13 +3,14 @@
 import { counted } from "./description.js";
 import { boundingBall, vertexNormals } from "./geometry.js";
 import { countSegments } from "./partition.js";
+import { upright } from "./upright.js";
 import { readArray } from "./wire.js";
 
 /** @typedef {import("./wire.js").Model} Model */
 /** @typedef {import("./renderer.js").MeshArrays} MeshArrays */
 /** @typedef {import("./viewer.js").Viewer} Viewer */
 
-/** Arrays as drawn, shared by all views of a model. @type {WeakMap<Model, MeshArrays>} */
+/** Arrays as drawn, shared by all views of a model. @type {WeakMap<Model, MeshArrays & { up: string }>} */
 const meshes = new WeakMap();
 
 /**
@@ -18,13 +19,15 @@ const meshes = new WeakMap();
  */
 export function readMesh(model) {
   const known = meshes.get(model);
-  if (known) return known;
-  const vertices = /** @type {Float32Array | null} */ (readArray(model, "vertices"));
+  const up = model.get("_up") ?? [0, 0, 1];
+  if (known?.up === String(up)) return known;
+  const given = /** @type {Float32Array | null} */ (readArray(model, "vertices"));
   const faces = /** @type {Uint32Array | null} */ (readArray(model, "faces"));
   const colors = /** @type {Uint8Array | null} */ (readArray(model, "vertex_colors"));
-  if (!vertices || !faces) return null;
+  if (!given || !faces) return null;
+  const vertices = upright(given, up);
   const [normals, bounds] = [vertexNormals(vertices, faces), boundingBall(vertices)];
-  const mesh = { vertices, faces, colors, normals, bounds };
+  const mesh = { vertices, faces, colors, normals, bounds, up: String(up) };
   meshes.set(model, mesh);
   return mesh;
 }

@@ -13,6 +13,7 @@ import {
   DoubleSide,
   FrontSide,
   GLSL3,
+  Matrix3,
   Matrix4,
   Mesh,
   NearestFilter,
@@ -149,7 +150,12 @@ export class SceneRenderer {
   /** @param {MeshArrays} arrays */
   setMesh(arrays) {
     this.arrays = arrays;
-    if (arrays.colors) this.#define("HAS_COLORS", true);
+    this.#define("HAS_COLORS", arrays.colors !== null);
+    for (const old of [this.fine, this.coarse]) {
+      old?.geometry.dispose();
+      old?.removeFromParent();
+    }
+    this.coarse = null;
     this.#uniform("hasScan", arrays.colors !== null);
     this.fine = this.#add(arrays.faces);
     this.numbers?.dispose();
@@ -179,6 +185,17 @@ export class SceneRenderer {
   /** Whether the table of atoms hides any. @param {boolean} hasHidden */
   setHidden(hasHidden) {
     this.#define("HAS_HIDDEN", hasHidden);
+  }
+
+  /** What lies in a box alone is drawn; null = everything. @param {import("./section.js").Box | null} box */
+  setSection(box) {
+    this.#define("HAS_SECTION", box !== null);
+    if (!box) return;
+    const { boxAxes, boxLow, boxHigh } = this.faces.uniforms;
+    const [x, y, z] = box.axes;
+    boxAxes.value.set(...x, ...y, ...z);
+    boxLow.value.set(...box.low);
+    boxHigh.value.set(...box.high);
   }
 
   /** Whether the faces' normals are drawn, in the place of the scan's colours. @param {boolean} hasNormals */
@@ -406,6 +423,9 @@ function facesMaterial() {
       forward: { value: new Vector3() },
       faceAtom: { value: null },
       atoms: { value: null },
+      boxAxes: { value: new Matrix3() },
+      boxLow: { value: new Vector3() },
+      boxHigh: { value: new Vector3() },
     },
   });
 }

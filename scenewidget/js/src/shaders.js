@@ -19,7 +19,14 @@ flat out uint faceNumber;
 out vec3 eyePosition;
 out vec3 eyeNormal;
 out vec3 scanColor;
+#ifdef HAS_SECTION
+uniform mat3 boxAxes;
+out vec3 boxPosition;
+#endif
 void main() {
+#ifdef HAS_SECTION
+  boxPosition = boxAxes * position;
+#endif
   faceNumber = face + 1u;
   mat3 view = mat3(right.x, up.x, -forward.x, right.y, up.y, -forward.y, right.z, up.z, -forward.z);
   eyePosition = view * position;
@@ -47,9 +54,16 @@ layout(location = 1) out vec4 scan;
 #ifdef HAS_NORMALS
 uniform vec3 right, up, forward;
 #endif
+#ifdef HAS_SECTION
+in vec3 boxPosition;
+uniform vec3 boxLow, boxHigh;
+#endif
 const vec3 KEY = normalize(vec3(-0.4, 0.45, 0.8));
 const vec3 FILL = normalize(vec3(0.75, -0.15, 0.65));
 void main() {
+#ifdef HAS_SECTION
+  if (any(lessThan(boxPosition, boxLow)) || any(greaterThan(boxPosition, boxHigh))) discard;
+#endif
 #ifdef HAS_HIDDEN // a variant of its own: whoever may discard loses the early test of depth
   uint number = texelFetch(faceAtom, cell(faceNumber - 1u, textureSize(faceAtom, 0).x), 0).r;
   if ((texelFetch(atoms, cell(number, textureSize(atoms, 0).x), 0).a & 2u) != 0u) discard;

@@ -17,11 +17,14 @@ import {
   pan,
   project,
   ray,
+  TANGENT,
   zoom,
 } from "./camera.js";
 import { coarse, sample } from "./geometry.js";
 import { atomTable, NONE } from "./partition.js";
 import { SceneRenderer } from "./renderer.js";
+import { belowCeiling, boxOf, extentOf, isWhole, pointsInside, WHOLE } from "./section.js";
+import { dolly, goTo, lookAround, lookTo, standing, standingPlace, walked } from "./walk.js";
 
 /** @typedef {import("./camera.js").Camera} Camera */
 /** @typedef {import("./camera.js").Vec3} Vec3 */
@@ -75,6 +78,12 @@ export class Viewer {
     this.mesh = null;
     /** @type {Partition | null} */
     this.partition = null;
+    /** What to keep of the scan, along the walls and upwards. */
+    this.section = WHOLE;
+    /** Extent of the scan along its walls and upwards. @type {import("./section.js").Box | null} */
+    this.extent = null;
+    /** Where one looked from before going inside. @type {Camera | null} */
+    this.outside = null;
     this.size = { width: 0, height: 0 };
     /** @type {{ numbers: import("./renderer.js").Numbers, camera: Camera, aspect: number } | null} */
     this.snapshot = null;
@@ -114,10 +123,49 @@ export class Viewer {
 
   /** @param {MeshArrays} mesh */
   setMesh(mesh) {
+    const isOther = this.mesh !== null;
     this.mesh = mesh;
     this.sample = sample(mesh.vertices, mesh.faces);
+    this.extent = extentOf(this.sample);
     this.renderer.setMesh(mesh);
+    clearTimeout(this.coarseTimer);
+    this.work = undefined;
+    this.#cut();
+    if (isOther) this.isPlaced = false;
     this.#draw();
+  }
+
+  /** Cut the scan open. @param {import("./section.js").Range[]} ranges  see section.js */
+  setSection(ranges) {
+    if (JSON.stringify(ranges) === JSON.stringify(this.section)) return;
+    this.section = ranges;
+    this.#cut();
+    this.#changed();
+  }
+
+  #cut() {
+    const box = this.extent && boxOf(this.extent, this.section);
+    const { points } = this.sample ?? { points: new Float32Array(0) };
+    this.points = box ? pointsInside(points, box) : points;
+    this.renderer.setSection(box);
+  }
+
+  /** The section without the ceiling. */
+  get openedAbove() {
+    if (!this.sample || !this.extent) return WHOLE;
+    const [length, width, [low]] = this.section;
+    const high = belowCeiling(this.extent, this.sample);
+    return [length, width, /** @type {import("./section.js").Range} */ ([Math.min(low, high - 0.1), high])];
+  }
+
+  get isCut() {
+    return !isWhole(this.section);
+  }
+
+  /** Metres of the whole scan, along the walls and upwards. */
+  get lengths() {
+    const { low, high } = this.extent ?? { low: [0, 0, 0], high: [0, 0, 0] };
+    return low.map((from, k) => high[k] - from);
   }
 
   /** @param {Partition | null} partition */
@@ -183,9 +231,41 @@ export class Viewer {
     this.#draw();
   }
 
-  /** @param {"here" | "above" | "start"} from */
+  /** Whether one stands in the room. */
+  get isInside() {
+    return (this.flight?.to ?? this.camera).tangent !== undefined;
+  }
+
+  /** 1 in a room in metres. */
+  get #scale() {
+    const height = this.lengths[2];
+    return height > 1 && height < 10 ? 1 : height / 2.5;
+  }
+
+  /** Stand in the room, or go back to where one came from. @param {boolean} isInside */
+  goInside(isInside) {
+    if (!this.sample || !this.extent || isInside === this.isInside) return;
+    if (!isInside) {
+      this.#fly(this.outside ?? this.start);
+      return;
+    }
+    this.outside = this.flight?.to ?? this.camera;
+    this.#fly(standing(standingPlace(this.extent, this.sample), this.outside.yaw, 1.5 * this.#scale));
+  }
+
+  /** Go on while standing in the room. @param {Iterable<import("./walk.js").Way>} ways @param {number} seconds */
+  walk(ways, seconds) {
+    if (this.isInside) this.#move(walked(this.flight?.to ?? this.camera, ways, seconds, this.#scale));
+  }
+
+  /** @param {"here" | "above" | "start" | "inside"} from */
   lookFrom(from) {
     if (!this.sample) return;
+    if (from === "inside") {
+      this.goInside(true);
+      return;
+    }
+    if (this.isInside) this.camera = { ...this.camera, tangent: undefined };
     if (from === "start") this.start = this.#fitted({ ...this.start });
     const camera = {
       here: this.camera,
@@ -212,7 +292,8 @@ export class Viewer {
         points.push(...vertices.subarray(3 * faces[c], 3 * faces[c] + 3));
     }
     const { width, height } = this.size;
-    this.#fly(fit(this.camera, new Float32Array(points), width / Math.max(1, height), 0.3));
+    const framed = fit(this.camera, new Float32Array(points), width / Math.max(1, height), 0.3);
+    this.#fly(this.isInside ? lookTo(this.camera, framed.target) : framed);
   }
 
   /** @param {Action} action */
@@ -220,10 +301,16 @@ export class Viewer {
     const { width, height } = this.size;
     switch (action.kind) {
       case "orbit":
+        if (this.isInside) {
+          const angle = (2 * Math.atan(this.camera.tangent ?? TANGENT)) / Math.max(1, height);
+          return this.#move(lookAround(this.camera, action.dx * angle, action.dy * angle));
+        }
         return this.#move(orbit(this.camera, -action.dx * ORBIT_SPEED, action.dy * ORBIT_SPEED));
       case "pan":
         return this.#move(pan(this.camera, action.dx / height, action.dy / height));
       case "zoom": {
+        if (this.isInside)
+          return this.#move(dolly(this.camera, -1.5 * this.#scale * Math.log(action.factor)));
         const point = this.#anchorAt({ x: action.x ?? width / 2, y: action.y ?? height / 2 });
         const nearest = 0.01 * (this.mesh?.bounds.radius ?? 1);
         return this.#move(zoom(this.camera, action.factor, point, nearest));
@@ -234,7 +321,10 @@ export class Viewer {
   /** Make the point at a place the one to turn around. @param {Place} place */
   recentre(place) {
     const point = this.pointAt(place);
-    if (point) this.#fly({ ...this.camera, target: point });
+    if (point)
+      this.#fly(
+        this.isInside ? goTo(this.camera, point, 0.6 * this.#scale) : { ...this.camera, target: point },
+      );
   }
 
   /**
@@ -329,7 +419,7 @@ export class Viewer {
   /** @param {Camera} camera */
   #fitted(camera) {
     const { width, height } = this.size;
-    return fit(camera, this.sample?.points ?? new Float32Array(0), width / Math.max(1, height));
+    return fit(camera, this.points ?? new Float32Array(0), width / Math.max(1, height));
   }
 
   /** Look as another view does. @param {Camera} camera */
@@ -389,8 +479,9 @@ export class Viewer {
       yaw: mix(from.yaw, to.yaw),
       pitch: mix(from.pitch, to.pitch),
       distance: from.distance * (to.distance / from.distance) ** s,
+      tangent: mix(from.tangent ?? TANGENT, to.tangent ?? TANGENT),
     };
-    if (t >= 1) this.flight = null;
+    if (t >= 1) [this.camera, this.flight] = [to, null];
     this.#moved();
   }
 

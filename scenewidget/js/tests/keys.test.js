@@ -43,3 +43,12 @@ test("undo and redo belong to the editor", () => {
   assert.equal(command({ ...plain, key: "Z", metaKey: true, shiftKey: true }, "edit")?.kind, "redo");
   assert.equal(command({ ...plain, key: "y", ctrlKey: true }, "edit")?.kind, "redo");
 });
+
+test("inside a room letters and arrows walk, outside they don't", () => {
+  assert.deepEqual(command({ ...plain, key: "w" }, "navigate", true), { kind: "walk", way: "forward" });
+  assert.deepEqual(command({ ...plain, key: "S" }, "edit", true), { kind: "walk", way: "back" });
+  assert.deepEqual(command({ ...plain, key: "ArrowLeft" }, "edit", true), { kind: "walk", way: "turn_left" });
+  assert.equal(command({ ...plain, key: "w" }, "navigate"), null);
+  assert.equal(command({ ...plain, key: "PageUp" }, "navigate"), null);
+  assert.deepEqual(command({ ...plain, key: "v" }, "edit", true), { kind: "toggle", what: "inside" });
+});
