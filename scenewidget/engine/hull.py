@@ -17,7 +17,7 @@ from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 __all__ = ["Planes", "join_planes", "segment_planes"]
 
 PARALLEL = 0.9  # least dot product of normals that agree
-ROUGHNESS = 0.06  # largest root mean square distance from its plane of what can be a piece of a wall, metres
+ROUGHNESS = 0.08  # largest root mean square distance from its plane of what can be a piece of a wall, metres
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +55,7 @@ def segment_planes(
     smallest: float = 1.0,
     behind: float = 0.12,
     share_behind: float = 0.03,
+    lean: float = 0.05,
 ) -> Planes:
     """Planes of the segments.
 
@@ -67,6 +68,9 @@ def segment_planes(
     behind, share_behind : float
         Of the scene's area, other segments have at most this share more than ``behind`` metres behind the
         plane of a piece of the hull.
+    lean : float
+        A metre to the side, behind begins so many metres further back: the plane of a piece of a bent
+        ceiling leans.
     """
     n = int(labels.max(initial=-1)) + 1
     keep = labels >= 0
@@ -83,8 +87,10 @@ def segment_planes(
     is_hull = (moments.area >= smallest) & (roughness <= ROUGHNESS)
     is_hull &= np.einsum("ij,ij->i", normals, mean) >= PARALLEL
     for s in np.flatnonzero(is_hull):
-        depth = (positions - centroids[s]) @ normals[s]
-        is_behind = (depth < -behind) & (labels != s)
+        apart = positions - centroids[s]
+        depth = apart @ normals[s]
+        aside = np.sqrt(np.maximum(np.einsum("ij,ij->i", apart, apart) - depth**2, 0.0))
+        is_behind = (depth < -behind - lean * aside) & (labels != s)
         is_hull[s] = items.areas[is_behind].sum() <= share_behind * items.areas.sum()
     return Planes(moments.area, centroids, normals, mean, roughness, is_hull)
 
@@ -94,10 +100,10 @@ def join_planes(
     labels: IntArray,
     *,
     smallest_seed: float = 1.0,
-    reach: tuple[float, float] = (0.03, 0.05),
+    reach: tuple[float, float] = (0.03, 0.06),
     shell: float = 0.3,
-    near: float = 0.15,
-    bend: float = 0.15,
+    near: float = 0.3,
+    bend: float = 0.25,
 ) -> IntArray:
     """Join segments that lie in the plane of a wall, floor or ceiling, whether they touch it or not.
 
@@ -112,8 +118,8 @@ def join_planes(
     smallest_seed : float
         Square metres.
     reach : (least, most)
-        How far a segment may lie from the plane, metres: 1.5 times the seed's roughness between these. The
-        least is also the largest step between a segment and what it goes on from.
+        How far a segment may lie from the plane, and how high the step between it and what it goes on from
+        may be, metres: 1.5 times the seed's roughness between these.
     shell : float
         Fusion leaves shells behind walls that face the other way; those up to this far behind (metres)
         belong to the wall.
@@ -140,10 +146,11 @@ def join_planes(
         spread = np.maximum(np.einsum("i,nij,j->n", normal, scatter, normal) / area, 0.0)
         distance = np.sqrt(offset**2 + spread)
         facing = planes.mean_normals @ normal
-        joins = is_free & (facing > PARALLEL) & (distance < np.clip(1.5 * planes.roughness[s], *reach))
+        step = float(np.clip(1.5 * planes.roughness[s], *reach))
+        joins = is_free & (facing > PARALLEL) & (distance < step)
         joins[s] = True
         beside = is_free & (facing > PARALLEL) & (distance < bend) & (planes.roughness < ROUGHNESS)
-        _follow(items, labels, joins, beside & ~joins, normal, step=reach[0], near=near)
+        _follow(items, labels, joins, beside & ~joins, normal, step=step, near=near)
         joins |= is_free & (facing < -PARALLEL) & (offset < 0) & (offset > -shell)
         group[joins] = s
         is_free &= ~joins

@@ -25,6 +25,7 @@ LARGE = 0.15  # of the wall's main region; larger ones must stand out more: scan
 MARGIN = 5  # empty cells round the map, as far as heights are compared
 MOST_CELLS = 2_000  # along a side of the map
 SHIFTS = ((0.0, 0.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0))  # of the grids that vote, in cells
+UNEVEN = 5.0  # a step is this many times the unevenness of the walls
 REACH = 2  # cells; narrow items this near to a broad one are the rim of a step
 RIM = 1  # cells; an item that nowhere holds a square of 2 RIM + 1 cells is narrow
 DOUBT = 0.02  # metres over the root of a seam's cells: long seams are decided first
@@ -55,52 +56,57 @@ def separate_reliefs(
         Dense.
     """
     planes = segment_planes(items, labels)
-    labels = labels.copy()
-    n_labels = len(planes.areas)
+    walls = []
     for s in np.flatnonzero(planes.is_hull):
         inside = (labels == s) & (items.normals @ planes.normals[s] > FACING)
-        if not inside.any():
-            continue
-        for relief in _reliefs(items, inside, step, smallest, cell):
+        if inside.any():
+            walls.append((np.flatnonzero(inside), _maps(_points(items, inside), cell)))
+    if not walls:
+        return labels
+    step = max(step, UNEVEN * _unevenness([seams for _, maps in walls for _, _, seams in maps]))
+    labels = labels.copy()
+    n_labels = len(planes.areas)
+    for members, maps in walls:
+        for relief in _reliefs(items.areas, members, maps, step, smallest):
             labels[relief] = n_labels
             n_labels += 1
     return labels
 
 
-def _reliefs(items: Items, inside: BoolArray, step: float, smallest: float, cell: float) -> list[IntArray]:
+def _unevenness(seams: list[_Seams]) -> float:
+    """Median of the mean step along a seam, by length, metres: most seams lie within one surface."""
+    length = np.concatenate([s.length for s in seams])
+    if len(length) == 0:
+        return 0.0
+    mean = np.abs(np.concatenate([s.step for s in seams])) / length
+    order = np.argsort(mean)
+    half = np.searchsorted(np.cumsum(length[order]), 0.5 * length.sum())
+    return float(mean[order[half]])
+
+
+def _reliefs(
+    areas: FloatArray, members: IntArray, maps: list[_Map], step: float, smallest: float
+) -> list[IntArray]:
     """Items of each region that stands out of the wall.
 
     Where the cells happen to lie matters near the threshold: so several grids vote, by evidence
     accumulation as in `consensus`.
     """
-    members = np.flatnonzero(inside)
-    points = _points(items, inside)
-    cell = max(
-        cell, 1.2 * float(np.sqrt(2 * np.median(points.area))), float(np.ptp(points.foot)) / MOST_CELLS
-    )
-    keys = [_regions(items.areas, points, step, smallest, cell, shift)[members] for shift in SHIFTS]
-    co = co_association(np.stack(keys, axis=1), items.areas[members])
+    keys = [_regions(areas, *parts, step, smallest)[members] for parts in maps]
+    co = co_association(np.stack(keys, axis=1), areas[members])
     region = cut_tree(average_linkage(co.C, co.weights), similarity=0.5)[co.base]
-    area = np.bincount(region, items.areas[members])
+    area = np.bincount(region, areas[members])
     is_relief = area >= smallest
     is_relief[area.argmax()] = False
     return [members[region == r] for r in np.flatnonzero(is_relief)]
 
 
 def _regions(
-    areas: FloatArray,
-    points: _Points,
-    step: float,
-    smallest: float,
-    cell: float,
-    shift: tuple[float, float],
+    areas: FloatArray, item: IntArray, whole: IntArray, seams: _Seams, step: float, smallest: float
 ) -> IntArray:
     """(n_items,) 1 and up for regions that stand out of the wall on one grid, 0 for all else."""
-    heights = _height_map(points, cell, shift)
-    whole = _without_rims(heights.item)
-    seams = _seams(heights, whole)
     roots = _merged(np.unique(whole[whole >= 0]), seams, step)
-    region = _most_frequent(heights.item, np.where(whole >= 0, roots[whole], -1), len(areas))
+    region = _most_frequent(item, np.where(whole >= 0, roots[whole], -1), len(areas))
     area = np.bincount(region[region >= 0], areas[region >= 0], len(areas))
     main = int(area.argmax())
     ends = roots[seams.pairs]
@@ -144,6 +150,9 @@ class _Seams:
     length: FloatArray
 
 
+_Map = tuple[IntArray, IntArray, _Seams]  # items of the cells, also without rims, and seams of the latter
+
+
 def _points(items: Items, inside: BoolArray) -> _Points:
     owner = items.item_of_face
     faces = np.flatnonzero((owner >= 0) & inside[owner])
@@ -152,6 +161,19 @@ def _points(items: Items, inside: BoolArray) -> _Points:
     position = position - np.average(position, axis=0, weights=area)
     _, axes = np.linalg.eigh((area * position.T) @ position)
     return _Points(position @ axes[:, 1:], position @ axes[:, 0], area, owner[faces])
+
+
+def _maps(points: _Points, cell: float) -> list[_Map]:
+    """A map on each of the grids."""
+    cell = max(
+        cell, 1.2 * float(np.sqrt(2 * np.median(points.area))), float(np.ptp(points.foot)) / MOST_CELLS
+    )
+    maps = []
+    for shift in SHIFTS:
+        heights = _height_map(points, cell, shift)
+        whole = _without_rims(heights.item)
+        maps.append((heights.item, whole, _seams(heights, whole)))
+    return maps
 
 
 def _height_map(points: _Points, cell: float, shift: tuple[float, float]) -> _HeightMap:
