@@ -59,6 +59,15 @@ def rand_index_error(
     With weights a pair counts w_i·w_j: (Σr² + Σs² − 2Σn²) / (W² − Σw²), summed as Σn(r − n) + Σn(s − n),
     which loses no digits.
 
+    Parameters
+    ----------
+    a, b : (n,) int or Segmentation
+        Labels of the same items; see the module's docstring.
+    weights : (n,) float, optional
+        How much each item counts, areas for example; all alike by default.
+    unlabeled : "drop" | "one" | "singletons"
+        What becomes of items with a negative label; see the module's docstring.
+
     Returns
     -------
     error : float
@@ -84,6 +93,15 @@ def global_consistency_error(
     min(Σ n(1 − n/r), Σ n(1 − n/s)) / W. It is 0 when one side refines the other, so all-singletons and
     one-segment-for-everything score 0: never report it alone.
 
+    Parameters
+    ----------
+    a, b : (n,) int or Segmentation
+        Labels of the same items; see the module's docstring.
+    weights : (n,) float, optional
+        How much each item counts, areas for example; all alike by default.
+    unlabeled : "drop" | "one" | "singletons"
+        What becomes of items with a negative label; see the module's docstring.
+
     Returns
     -------
     error : float
@@ -102,6 +120,15 @@ def local_consistency_error(
     a: Labels, b: Labels, weights: FloatArray | None = None, unlabeled: Unlabeled = "drop"
 ) -> float:
     """LCE: as GCE, with the kinder direction chosen for each item by itself (Eq. 4.6); never above GCE.
+
+    Parameters
+    ----------
+    a, b : (n,) int or Segmentation
+        Labels of the same items; see the module's docstring.
+    weights : (n,) float, optional
+        How much each item counts, areas for example; all alike by default.
+    unlabeled : "drop" | "one" | "singletons"
+        What becomes of items with a negative label; see the module's docstring.
 
     Returns
     -------
@@ -131,6 +158,17 @@ def hamming_distance(
     segment of `b` that it overlaps most; 0 when `a` refines `b`. Otherwise the mean of both directions.
     The thesis weights by area: pass ``weights=mesh.face_areas``.
 
+    Parameters
+    ----------
+    a, b : (n,) int or Segmentation
+        Labels of the same items; see the module's docstring.
+    weights : (n,) float, optional
+        How much each item counts, areas for example; all alike by default.
+    unlabeled : "drop" | "one" | "singletons"
+        What becomes of items with a negative label; see the module's docstring.
+    directional : bool
+        Whether only what of `a` lies outside of `b` counts.
+
     Returns
     -------
     distance : float
@@ -153,6 +191,15 @@ def adjusted_rand_index(
     a: Labels, b: Labels, weights: FloatArray | None = None, unlabeled: Unlabeled = "drop"
 ) -> float:
     """ARI: the Rand index, corrected so that random labels with the same margins expect 0.
+
+    Parameters
+    ----------
+    a, b : (n,) int or Segmentation
+        Labels of the same items; see the module's docstring.
+    weights : (n,) float, optional
+        How much each item counts, areas for example; all alike by default.
+    unlabeled : "drop" | "one" | "singletons"
+        What becomes of items with a negative label; see the module's docstring.
 
     Returns
     -------
@@ -183,6 +230,15 @@ def variation_of_information(
 ) -> float:
     """H(a | b) + H(b | a) in nats: what each side leaves unsaid about the other. A metric.
 
+    Parameters
+    ----------
+    a, b : (n,) int or Segmentation
+        Labels of the same items; see the module's docstring.
+    weights : (n,) float, optional
+        How much each item counts, areas for example; all alike by default.
+    unlabeled : "drop" | "one" | "singletons"
+        What becomes of items with a negative label; see the module's docstring.
+
     Returns
     -------
     distance : float
@@ -203,6 +259,15 @@ def mean_iou(a: Labels, b: Labels, weights: FloatArray | None = None, unlabeled:
     The matching maximises the sum of intersection over union (Kuhn's assignment problem, solved by
     scipy). Segments of `b` without a partner count 0; those of `a` left over count nothing, so give the
     truth as `b`.
+
+    Parameters
+    ----------
+    a, b : (n,) int or Segmentation
+        Labels of the same items; `b` is the truth. See the module's docstring.
+    weights : (n,) float, optional
+        How much each item counts, areas for example; all alike by default.
+    unlabeled : "drop" | "one" | "singletons"
+        What becomes of items with a negative label; see the module's docstring.
 
     Returns
     -------

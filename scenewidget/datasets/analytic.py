@@ -18,7 +18,14 @@ ARMS = ((0.0, 0.4, 1.0, 0.6), (0.4, 0.0, 0.6, 0.7), (0.4, 0.5, 0.6, 1.3))  # x, 
 
 
 def sphere(subdivisions: int = 4, *, radius: float = 1.0) -> Mesh:
-    """Around the origin, 20·4^subdivisions faces of nearly equal size."""
+    """Around the origin, 20·4^subdivisions faces of nearly equal size.
+
+    Parameters
+    ----------
+    subdivisions : int
+        Of an icosahedron: each divides every face into four.
+    radius : float
+    """
     import trimesh  # 0.3 s to import
 
     shape = trimesh.creation.icosphere(subdivisions=subdivisions, radius=radius)
@@ -26,7 +33,17 @@ def sphere(subdivisions: int = 4, *, radius: float = 1.0) -> Mesh:
 
 
 def torus(ring: float = 1.0, tube: float = 0.4, *, n_ring: int = 64, n_tube: int = 32) -> Mesh:
-    """Around the z axis; ``ring`` is the radius of the circle in the middle of the tube."""
+    """Around the z axis; ``ring`` is the radius of the circle in the middle of the tube.
+
+    Parameters
+    ----------
+    ring : float
+        Radius of the circle in the middle of the tube.
+    tube : float
+        Radius of the tube.
+    n_ring, n_tube : int
+        Cells around the axis and around the tube, two triangles each.
+    """
     u, v = np.meshgrid(
         2 * np.pi * np.arange(n_ring) / n_ring, 2 * np.pi * np.arange(n_tube) / n_tube, indexing="ij"
     )
@@ -50,6 +67,8 @@ def square(
     ----------
     n : int
         Cells along a side, two triangles each.
+    size : float
+        Length of a side.
     triangulation : "regular" or "irregular"
         "irregular": the inner vertices are moved at random by up to a third of a cell, and every second
         diagonal on average is flipped.
@@ -95,6 +114,7 @@ def folded(mesh: Mesh, axis: Literal["x", "y"], at: float, angle: float) -> Mesh
 
     Parameters
     ----------
+    mesh : Mesh
     axis : "x" or "y"
         The coordinate that grows across the line.
     at : float
@@ -114,7 +134,7 @@ def folded(mesh: Mesh, axis: Literal["x", "y"], at: float, angle: float) -> Mesh
 
 
 def part_of(mesh: Mesh, is_kept: BoolArray) -> Mesh:
-    """The mesh of some of the faces, (n_faces,) bool, without the vertices that only others used."""
+    """The mesh of the faces in ``is_kept``, (n_faces,) bool, without the vertices that only others used."""
     used, faces = np.unique(mesh.faces[is_kept], return_inverse=True)
     colors = None if mesh.vertex_colors is None else mesh.vertex_colors[used]
     vertices: FloatArray = mesh.vertices[used]

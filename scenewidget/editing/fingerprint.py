@@ -17,7 +17,16 @@ _known: weakref.WeakKeyDictionary[Mesh, Fingerprint] = weakref.WeakKeyDictionary
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """What tells one mesh from another; colours don't count."""
+    """What tells one mesh from another; colours don't count.
+
+    Attributes
+    ----------
+    n_vertices, n_faces : int
+    digest : str
+        Of positions and triangles, hexadecimal.
+    low, high : (3,) float
+        Corners of the bounding box, metres.
+    """
 
     n_vertices: int
     n_faces: int

@@ -331,7 +331,7 @@ class Session:
         return step
 
     def go_to(self, n_edits: int) -> None:
-        """Undo or redo until so many edits are done: walk the history."""
+        """Undo or redo until ``n_edits`` edits are done: walk the history."""
         with self._lock:
             most = len(self._done) + len(self._undone)
             if not 0 <= n_edits <= most:
@@ -343,6 +343,12 @@ class Session:
 
     def resegment(self, segmentation: Segmentation, params: Params | None = None) -> tuple[Step, ...]:
         """Put another automatic segmentation of the same mesh underneath and do all edits again.
+
+        Parameters
+        ----------
+        segmentation : Segmentation
+        params : Params, optional
+            What it was made with; kept in the project file.
 
         Returns
         -------
@@ -483,6 +489,14 @@ class Session:
 
     def part(self, face: int, level: Level, *, action: Literal["merge", "split"] = "merge") -> BoolArray:
         """(n_atoms,) the atoms that an edit at a face would move; to preview it.
+
+        Parameters
+        ----------
+        face : int
+        level : "dihedral" | "base" | "final"
+        action : "merge" | "split"
+            At "final" they move different parts: the whole segment, or what it has from one automatic
+            segment.
 
         Raises
         ------

@@ -45,7 +45,7 @@ def nyu_class(name: str) -> str:
 
 
 def nyu_id(name: str) -> int:
-    """Id of that class, 1 to 40; 0 if there is none."""
+    """Id of the class that a name stands for, 1 to 40; 0 if there is none."""
     found = nyu_class(name)
     return NYU40.index(found) + 1 if found else 0
 

@@ -11,6 +11,13 @@ __all__ = ["checked_count"]
 def checked_count(name: str, value: Any, *, most: int | None = None) -> int:
     """``value`` as an int from 1 to ``most``.
 
+    Parameters
+    ----------
+    name : str
+        What the message calls it.
+    value : object
+    most : int, optional
+
     Raises
     ------
     TypeError

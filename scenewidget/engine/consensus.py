@@ -145,6 +145,10 @@ def settle_leftovers(
 
     Parameters
     ----------
+    result : PeacResult
+    C : (n_base, n_base) float
+        What it was solved for.
+    weights : (n_base,) float
     rule : str
         "alone": a segment of its own (thesis 3.5); "argmax": the largest entry all the same; "linkage":
         they are grouped among themselves and with the settled clusters by average linkage at ½.
@@ -190,6 +194,10 @@ def median_partition(C: FloatArray, weights: FloatArray, *, seed: int = 0, max_s
     ----------
     C : (n_base, n_base) float
     weights : (n_base,) float
+    seed : int
+        Decides the order in which base segments are tried.
+    max_sweeps : int
+        Most passes over all base segments.
 
     Returns
     -------

@@ -102,6 +102,14 @@ def weight_graph(n_items: int, pairs: IntArray, weights: FloatArray) -> sparse.c
     """Symmetric (n_items, n_items) csr of edge weights; of duplicate pairs the lightest counts.
 
     An explicit zero stays an edge of length zero.
+
+    Parameters
+    ----------
+    n_items : int
+    pairs : (n_pairs, 2) int
+        Neighbours.
+    weights : (n_pairs,) float
+        Not negative.
     """
     low, high = pairs.min(axis=1, initial=n_items), pairs.max(axis=1, initial=-1)
     order = np.lexsort((weights, high, low))
@@ -132,6 +140,8 @@ def all_pairs(
         Explicit zeros are edges of length zero; of duplicate entries the lightest counts.
     n_threads : int, optional
         Threads; all cores by default. The result does not depend on it.
+    monitor : Monitor, optional
+        Told how far it is; stops it on cancel.
 
     Returns
     -------
@@ -204,6 +214,10 @@ class MinPlusFactor:
         Parameters
         ----------
         sources : (n_sources,) int
+        n_threads : int, optional
+            Threads; all cores by default. The result does not depend on it.
+        monitor : Monitor, optional
+            Told how far it is; stops it on cancel.
 
         Returns
         -------

@@ -68,10 +68,18 @@ def k_medoids_members(
         clustered apart, each with its share of k.
     share : (n_components,) float
         See `allocate`.
+    k_range : (least, most)
+    n_runs : int
+    init : str
+        See `kmedoids.k_medoids`.
     merge : dict, optional
         Thresholds of `merge_flat`; None merges nothing.
     seed : int
         Run i draws from a generator of its own, so more runs extend fewer.
+    n_threads : int
+        The result does not depend on it.
+    monitor : Monitor, optional
+        Told how far it is; stops it on cancel.
 
     Returns
     -------
@@ -119,6 +127,10 @@ def felzenszwalb_members(
 
     Parameters
     ----------
+    items : Items
+    n_runs : int
+    cost_exponent : float
+        C of `distances.edge_costs`.
     convex_weight : (low, high)
         What a convex edge's weight is multiplied by, drawn evenly.
     threshold : (low, high)
@@ -127,6 +139,12 @@ def felzenszwalb_members(
         Weights are multiplied by exp(jitter · N(0, 1)).
     hop : float
         Added to each weight.
+    seed : int
+        Run i draws from a generator of its own, so more runs extend fewer.
+    n_threads : int
+        The result does not depend on it.
+    monitor : Monitor, optional
+        Told how far it is; stops it on cancel.
 
     Returns
     -------
@@ -172,8 +190,11 @@ def merge_flat(
 
     Parameters
     ----------
+    items : Items
     labels : (n,) int32
         Dense, −1 for items in no segment.
+    flatness, normal, seam : float
+        The thresholds above.
 
     Returns
     -------

@@ -90,7 +90,7 @@ class Family:
         return group
 
     def cut(self, n_segments: int) -> Segmentation:
-        """The segmentation with exactly so many segments.
+        """The segmentation with exactly ``n_segments`` segments.
 
         Behind its confidence is the agreement behind that of ``segmentation``, times how much better or worse
         the runs agree with an item's segment here than there, at most 1.

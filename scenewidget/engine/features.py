@@ -33,6 +33,12 @@ __all__ = [
 def delta_coordinates(mesh: Mesh, kind: Literal["cotangent", "uniform"] = "cotangent") -> FloatArray:
     """Laplacian of the positions, δ = L V (thesis Eqs. 3.2 and 3.3).
 
+    Parameters
+    ----------
+    mesh : Mesh
+    kind : "cotangent" | "uniform"
+        Of the Laplacian.
+
     Returns
     -------
     delta : (n_vertices, 3) float64
@@ -50,6 +56,10 @@ def delta_coordinates(mesh: Mesh, kind: Literal["cotangent", "uniform"] = "cotan
 
 def mean_curvature(mesh: Mesh) -> FloatArray:
     """Size of the mean curvature, |δ_cot|/2, in 1/m; not meaningful at the boundary.
+
+    Parameters
+    ----------
+    mesh : Mesh
 
     Returns
     -------

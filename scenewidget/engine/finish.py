@@ -42,6 +42,7 @@ def absorb_small(items: Items, labels: IntArray, smallest: float) -> IntArray:
 
     Parameters
     ----------
+    items : Items
     labels : (n,) int32
         Dense.
     smallest : float

@@ -61,6 +61,7 @@ def segment_planes(
 
     Parameters
     ----------
+    items : Items
     labels : (n_items,) int32
         Dense.
     smallest : float
@@ -113,6 +114,7 @@ def join_planes(
 
     Parameters
     ----------
+    items : Items
     labels : (n_items,) int32
         Dense.
     smallest_seed : float

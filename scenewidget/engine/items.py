@@ -116,7 +116,18 @@ class Items:
 
 
 def simplified_items(mesh: Mesh, pairs: IntArray, *, monitor: Monitor | None = None, **options: Any) -> Items:
-    """Faces of the simplified mesh as items; ``options`` are those of `preprocess.simplify`."""
+    """Faces of the simplified mesh as items; ``options`` are those of `preprocess.simplify`.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    pairs : (n_pairs, 2) int32
+        `face_adjacency` of the mesh.
+    monitor : Monitor, optional
+        Told how far it is; stops it on cancel.
+    **options
+        Of `preprocess.simplify`.
+    """
     simplified = simplify(mesh, pairs, monitor=monitor, **options)
     small = simplified.mesh
     item_of_face = np.arange(small.n_faces, dtype=np.int32)
@@ -156,6 +167,8 @@ def superfacet_items(
         Smallest superfacet at first; less on meshes with fewer than ``min_faces * n_items`` faces.
     bridge : float
         Fragments whose borders are at most this far apart (metres) count as neighbours.
+    monitor : Monitor, optional
+        Told how far it is; stops it on cancel.
     """
     monitor = monitor or SILENT
     if not mesh.face_areas.any():

@@ -98,7 +98,15 @@ def k_medoids(
 
 
 def alternate(D: np.ndarray[Any, np.dtype[np.floating[Any]]], medoids: IntArray) -> KMedoidsResult:
-    """Algorithm 2 from given medoids, without checks: the inner loop of an ensemble, which holds no lock."""
+    """Algorithm 2 from given medoids, without checks: the inner loop of an ensemble, which holds no lock.
+
+    Parameters
+    ----------
+    D : (n, n) float
+        Distances, symmetric.
+    medoids : (k,) int32
+        Different items.
+    """
     labels, medoids, cost, n_iter = _alternate(D, medoids, MAX_ITER)
     return KMedoidsResult(labels, medoids, float(cost), int(n_iter))
 
@@ -110,7 +118,16 @@ def initial_medoids(
     init: Init = "random",
     seed: int | np.random.SeedSequence = 0,
 ) -> IntArray:
-    """(k,) int32 distinct items to start from; see `k_medoids` for the ways."""
+    """(k,) int32 distinct items to start from; see `k_medoids` for the ways.
+
+    Parameters
+    ----------
+    D : (n, n) float
+        Distances, symmetric.
+    k : int
+    init : str
+    seed : int or SeedSequence
+    """
     rng = np.random.default_rng(seed)
     n = len(D)
     if init == "random":

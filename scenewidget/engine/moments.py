@@ -36,7 +36,14 @@ class Moments:
     second: FloatArray
 
     def gather(self, group: IntArray, n_groups: int) -> Moments:
-        """Moments of groups of pieces; pieces in group -1 are left out."""
+        """Moments of groups of pieces; pieces in group -1 are left out.
+
+        Parameters
+        ----------
+        group : (n,) int
+            Group of each piece.
+        n_groups : int
+        """
         flat = np.concatenate([self.area[:, None], self.first, self.second.reshape(-1, 9)], axis=1)
         keep = group >= 0
         if not keep.all():

@@ -68,6 +68,12 @@ class Monitor:
         """Result of a call that can't be interrupted; on cancel its thread is left to finish unheard.
 
         Only for pure calls into compiled code that releases the interpreter lock.
+
+        Parameters
+        ----------
+        function : callable
+        *args, **kwargs
+            What it is called with.
         """
         if self._cancel is None:
             return function(*args, **kwargs)

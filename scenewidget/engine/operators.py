@@ -47,6 +47,10 @@ def uniform_laplacian(mesh: Mesh) -> sparse.csr_array:
 
     It knows the connectivity only. An edge counts once, whatever the number of faces at it.
 
+    Parameters
+    ----------
+    mesh : Mesh
+
     Returns
     -------
     L : (n_vertices, n_vertices) csr float64
@@ -164,6 +168,10 @@ def vertex_components(mesh: Mesh) -> IntArray:
     """Connected component of each vertex over the edges of the faces.
 
     Vertices at the same place stay apart here, as in the Laplacians (`face_adjacency` takes them as one).
+
+    Parameters
+    ----------
+    mesh : Mesh
 
     Returns
     -------

@@ -183,7 +183,14 @@ class Params:
 
     @classmethod
     def thesis(cls, n_segments: int = 50, **changes: Any) -> Params:
-        """The faithful preset, δ_cot with f2 unless told otherwise (thesis 4.2)."""
+        """The faithful preset, δ_cot with f2 unless told otherwise (thesis 4.2).
+
+        Parameters
+        ----------
+        n_segments : int
+        **changes
+            Other fields, as of `replace`.
+        """
         preset: dict[str, Any] = {
             "n_segments": n_segments,
             "cost_exponent": 1.5,

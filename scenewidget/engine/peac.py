@@ -85,8 +85,12 @@ def peac(
         Starts, the best objective wins; beyond the first, "dirichlet".
     tolerance : float
         Violation at which to stop.
+    max_sweeps : int
+        Passes over all columns after which to give up; ``converged`` tells.
     seed : int or SeedSequence
         Decides the random starts and the order of the columns.
+    monitor : Monitor, optional
+        Told how far it is; stops it on cancel.
 
     Returns
     -------

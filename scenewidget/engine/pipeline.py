@@ -130,6 +130,15 @@ class Pipeline:
         """What ``segment(mesh, params)`` gives, computing only what isn't remembered.
 
         ``timings`` of the result are the seconds that this call spent in each stage, 0 for remembered ones.
+
+        Parameters
+        ----------
+        params : Params, optional
+            `Params()` by default.
+        progress : callable, optional
+            ``progress(stage, fraction)``, called as it goes.
+        cancel : threading.Event, optional
+            Setting it ends the computation with `Cancelled`.
         """
         params = _checked(params)
         timings: dict[str, float] = {}
@@ -149,13 +158,21 @@ class Pipeline:
 
         ``family.cut(n)`` has exactly n segments, takes milliseconds, and is a union of the segments of
         any finer cut; ``family.cut(result.n_segments)`` is the result of ``run(params)`` itself.
+
+        Parameters
+        ----------
+        params : Params, optional
+        progress : callable, optional
+            ``progress(stage, fraction)``, called as it goes.
+        cancel : threading.Event, optional
+            Setting it ends the computation with `Cancelled`.
         """
         table = stages(_checked(params).replace(granularity=1))
         family: Family = self._compute("family", table, Monitor(progress, cancel), {})
         return family
 
     def knows(self, stage: str, params: Params) -> bool:
-        """Whether the result of a stage is remembered, so that asking for it costs nothing."""
+        """Whether a stage's result for these ``params`` is remembered and costs nothing."""
         table = stages(params)
         with self._lock:
             return stage in table and _key(stage, table) in self._memo
@@ -169,6 +186,16 @@ class Pipeline:
         cancel: threading.Event | None = None,
     ) -> Any:
         """Result of one stage, for teaching.
+
+        Parameters
+        ----------
+        stage : str
+            One of those in ``timings``.
+        params : Params, optional
+        progress : callable, optional
+            ``progress(stage, fraction)``, called as it goes.
+        cancel : threading.Event, optional
+            Setting it ends the computation with `Cancelled`.
 
         Raises
         ------

@@ -46,6 +46,8 @@ def keep_components(
     ----------
     component : (n_faces,) int
     n_components : int
+    coverage : float
+    smallest : float
 
     Returns
     -------
@@ -118,6 +120,8 @@ def simplify(
     tolerance : float
         A raw face stays unlabeled if it lies farther from the simplified surface than this share of the
         root of the mean simplified face area.
+    monitor : Monitor, optional
+        Told how far it is; stops it on cancel.
 
     References
     ----------
@@ -237,7 +241,14 @@ def _closest(points: FloatArray, mesh: Mesh, monitor: Monitor) -> tuple[IntArray
 
 
 def neighbor_table(n_items: int, pairs: IntArray) -> tuple[IntArray, IntArray]:
-    """Neighbours of each item as (indptr, indices) of a csr pattern, both int32, ascending."""
+    """Neighbours of each item as (indptr, indices) of a csr pattern, both int32, ascending.
+
+    Parameters
+    ----------
+    n_items : int
+    pairs : (n_pairs, 2) int
+        Neighbours; each pair once, in either order.
+    """
     ones = np.ones(2 * len(pairs), dtype=np.int8)
     rows, columns = np.concatenate([pairs, pairs[:, ::-1]]).T if len(pairs) else np.empty((2, 0), np.int32)
     table = sparse.csr_array((ones, (rows, columns)), shape=(n_items, n_items))
@@ -268,6 +279,10 @@ def filter_normals(
         How far normals spread: about √sweeps faces.
     width : float
         Difference 1 − N_i·N_j from which a neighbour hardly counts; 0.3 is 46°.
+    n_threads : int
+        The result does not depend on it.
+    monitor : Monitor, optional
+        Told how far it is; stops it on cancel.
 
     Returns
     -------

@@ -41,6 +41,7 @@ def separate_reliefs(
 
     Parameters
     ----------
+    items : Items
     labels : (n_items,) int32
         Dense.
     step : float

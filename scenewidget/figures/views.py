@@ -123,6 +123,7 @@ def compare(a: Any, b: Any, mesh: Mesh, *, names: tuple[str, str] = ("a", "b"), 
     Parameters
     ----------
     a, b : (n_faces,) int or Segmentation
+    mesh : Mesh
     names : (str, str)
         Titles of the two.
     **options

@@ -297,6 +297,12 @@ class SceneView(anywidget.AnyWidget):
         """Show other segments over the same levels, as after an edit; sends one small table if it can.
 
         It can't if a segment cuts through an atom: then everything is sent as by `set_partition`.
+
+        Parameters
+        ----------
+        segments : (n_faces,) int
+        names, confidence, ids
+            As of `set_partition`.
         """
         segments = self._checked("segments", segments)
         atoms, parts = self._atoms, self._parts

@@ -147,7 +147,14 @@ class SceneWidget(widgets.VBox):
         return None if editor is None else editor.session
 
     def observe(self, handler: Any, names: Any = traitlets.All, type: Any = "change") -> None:  # noqa: A002  # traitlets' name
-        """As of any widget. Whoever observes ``segmentation`` is told of every edit and result."""
+        """As of any widget. Whoever observes ``segmentation`` is told of every edit and result.
+
+        Parameters
+        ----------
+        handler : callable
+        names : str, list of str or All
+        type : str
+        """
         super().observe(handler, names, type)
         wanted = [names] if isinstance(names, str) or names is traitlets.All else names
         if traitlets.All in wanted or "segmentation" in wanted:
@@ -212,6 +219,11 @@ class SceneWidget(widgets.VBox):
         """Go on with a project file: its segmentation, parameters and edits take the place of these.
 
         Edits made so far are left as they are in their own file, if they have one.
+
+        Parameters
+        ----------
+        path : path
+            As `Session.save` wrote it, or the widget by itself.
 
         Raises
         ------

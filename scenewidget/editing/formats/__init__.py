@@ -75,8 +75,8 @@ def export(
         By default what the suffix says: "ply" (colours and a property ``instance``), "npz", "glb" (a node
         a segment), "scannet" (.aggregation.json and .segs.json), "scenenn" (.ply and .xml, choose by
         .xml), "csv" and "parquet" (the table of segments), "npy" and "txt" (a label a face).
-    per : "face" | "vertex"
-        Of "ply": what carries instance and colour.
+    **options
+        ``per="face"`` or ``"vertex"`` of "ply": what carries instance and colour.
 
     Returns
     -------
