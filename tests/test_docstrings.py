@@ -23,7 +23,7 @@ def modules():
 
 
 def public_objects():
-    """(name, object) of what people find from `sw`: its names, those of its packages, the stages of the engine.
+    """(name, object) of what people find from `sw`: its names, those of its packages, the engine's stages.
 
     Of classes, methods and properties come along.
     """

@@ -1,0 +1,51 @@
+"""A notebook under Voila: a web page without code, with a live kernel behind it."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import View, serve
+
+NOTEBOOK = Path(__file__).parent.parent.parent / "notebooks" / "01_segment_a_room.ipynb"
+HOST = ("ERR_NAME_NOT_RESOLVED", "ERR_INTERNET_DISCONNECTED", "favicon", "shared module")  # Voila's own troubles
+
+
+@pytest.fixture
+def voila(tmp_path):
+    """Address of a server that shows notebook 01."""
+    pytest.importorskip("voila", reason="Voila is not installed: pip install voila")
+    command = [sys.executable, "-m", "voila", str(NOTEBOOK), "--no-browser", "--Voila.ip=127.0.0.1"]
+    with serve(command, "--port={port}", tmp_path / "log.txt", path="/static/favicon.ico") as url:
+        yield url
+
+
+def test_notebook_01_works_under_voila(voila, profile):
+    page = profile.new_page()
+    errors = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    page.set_viewport_size({"width": 1000, "height": 900})
+    page.goto(voila, timeout=120_000)  # answers while the notebook runs
+    root = page.locator(".scenewidget")
+    root.wait_for(state="attached", timeout=120_000)
+    view = View(page, root)
+    root.evaluate("root => root.scrollIntoView({ block: 'center' })")
+    view.wait("ready", "true", timeout=60)
+    view.wait("busy", "false", timeout=60)
+    view.settle()
+    assert len(np.unique(view.pixels()[60:-40:4, ::4].reshape(-1, 3) // 32, axis=0)) > 20  # a coloured room
+
+    before = view.state("segments")
+    slider = page.locator(".widget-slider").filter(has_text="Segments S").first
+    slider.locator(".widget-readout").click()
+    page.keyboard.press("Control+A")
+    page.keyboard.type("80")
+    page.keyboard.press("Enter")
+    page.wait_for_function(
+        "([root, before]) => root.dataset.busy === 'false' && root.dataset.segments !== before",
+        arg=[root.element_handle(), before],
+        timeout=60_000,
+    )
+    page.close()
+    assert [error for error in errors if not any(text in error for text in HOST)] == []
