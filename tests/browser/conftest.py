@@ -6,6 +6,7 @@ run them, evaluate Python in their kernel, and find the views they show. Wait on
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import os
@@ -16,7 +17,7 @@ import subprocess
 import sys
 import time
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -110,31 +111,43 @@ def jupyter(tmp_path_factory: pytest.TempPathFactory, chromium: str) -> Iterator
     folder.mkdir()
     (home / "settings").mkdir()
     (home / "settings" / "overrides.json").write_text(json.dumps(NO_NEWS))
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
     token = secrets.token_hex(16)
     command = [
         *(sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", "--expose-app-in-browser"),
-        *("--ServerApp.ip=127.0.0.1", f"--ServerApp.port={port}", "--ServerApp.port_retries=0"),
+        *("--ServerApp.ip=127.0.0.1", "--ServerApp.port={port}", "--ServerApp.port_retries=0"),
         *(f"--IdentityProvider.token={token}", f"--ServerApp.root_dir={folder}"),
         *(f"--LabApp.app_settings_dir={home / 'settings'}", f"--LabApp.user_settings_dir={home / 'user'}"),
         f"--LabApp.workspaces_dir={home / 'workspaces'}",
     ]
     own = {f"JUPYTER_{kind}_DIR": str(home / kind.lower()) for kind in ("CONFIG", "DATA", "RUNTIME")}
-    log = home / "log.txt"
+    with serve(command, home, f"/api/status?token={token}", env=own) as url:
+        yield Server(url, token, folder)
+
+
+@contextlib.contextmanager
+def serve(
+    command: Sequence[str], home: Path, path: str, *, env: Mapping[str, str] | None = None
+) -> Iterator[str]:
+    """Address of a server that lives as long as the block; "{port}" in its command becomes a free port.
+
+    It is up once it answers at ``path``; what it prints goes to a file in ``home``.
+    """
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    url, log = f"http://127.0.0.1:{port}", home / "log.txt"
     with log.open("w") as output:
         process = subprocess.Popen(
-            command, env={**os.environ, **own}, stdout=output, stderr=subprocess.STDOUT, cwd=folder
-        )
-    server = Server(f"http://127.0.0.1:{port}", token, folder)
+            [word.replace("{port}", str(port)) for word in command],
+            env={**os.environ, **(env or {})}, stdout=output, stderr=subprocess.STDOUT, cwd=home,
+        )  # fmt: skip
     try:
         deadline = time.monotonic() + START_SECONDS
-        while not _answers(f"{server.url}/api/status?token={token}"):
+        while not _answers(f"{url}{path}"):
             if process.poll() is not None or time.monotonic() > deadline:
-                pytest.fail(f"JupyterLab did not start:\n{log.read_text()[-3000:]}", pytrace=False)
+                pytest.fail(f"{command[2]} did not start:\n{log.read_text()[-3000:]}", pytrace=False)
             time.sleep(0.1)
-        yield server
+        yield url
     finally:
         process.terminate()
         try:
