@@ -5,7 +5,10 @@ of probabilities for each base segment. Rota Bulò et al. (2010), S+SSPR; Louren
 Learning 98; thesis 3.5, Eq. 3.14.
 
 Solved by block-coordinate descent, a column at a time, moving probability between two rows at a time by
-exact line search. Each step lowers the objective, so it ends in a stationary point.
+exact line search. Each step lowers the objective, so it ends in a stationary point, which often has one
+row for two things and two rows for one. So the two rows that cost least to join are joined, the row that
+this frees starts anew where the residual is largest, and the descent goes on from there; what ends lower
+is kept.
 """
 
 from __future__ import annotations
@@ -41,7 +44,7 @@ class PeacResult:
     converged : bool
         Whether ``violation`` came below the tolerance.
     n_sweeps : int
-        Passes over all columns.
+        Passes over all columns, those of new seeds included.
     """
 
     Y: FloatArray
@@ -60,6 +63,7 @@ def peac(
     diagonal: bool = True,
     init: Literal["linkage", "dirichlet"] = "linkage",
     n_restarts: int = 1,
+    n_seeds: int = 6,
     tolerance: float = 1e-4,
     max_sweeps: int = 500,
     seed: int | np.random.SeedSequence = 0,
@@ -83,6 +87,8 @@ def peac(
         columns (a uniform start is a saddle).
     n_restarts : int
         Starts, the best objective wins; beyond the first, "dirichlet".
+    n_seeds : int
+        Most new seeds for a row in each start; after a third of them without a lower objective, no more.
     tolerance : float
         Violation at which to stop.
     max_sweeps : int
@@ -104,6 +110,8 @@ def peac(
     C, weights = _checked(C, weights, n_clusters)
     if n_restarts < 1:
         raise ValueError(f"n_restarts must be at least 1, got {n_restarts}")
+    if n_seeds < 0:
+        raise ValueError(f"n_seeds must be at least 0, got {n_seeds}")
     if not tolerance > 0:
         raise ValueError(f"tolerance must be above 0, got {tolerance}")
     monitor = monitor or SILENT
@@ -115,7 +123,8 @@ def peac(
         rng = np.random.default_rng(child)
         Y = _start(C, weights, n_clusters, init if run == 0 else "dirichlet", rng)
         with one_blas_thread():  # small products between the sweeps; their rounding must not depend on cores
-            result = _solve(C, weights, Y, diagonal, tolerance, max_sweeps, rng, monitor)
+            problem = _Problem(C, weights, diagonal)
+            result = _solve(problem, Y, n_seeds, tolerance, max_sweeps, rng, monitor)
         if best is None or result.objective < best.objective:
             best = result
     assert best is not None
@@ -129,13 +138,13 @@ def _checked(C: Any, weights: Any, n_clusters: Any) -> tuple[FloatArray, FloatAr
         raise ValueError(f"C must be a square matrix, got shape {C.shape}")
     if not (C.min() >= -1e-9 and C.max() <= 1 + 1e-9):
         raise ValueError("C must hold shares of runs, in [0, 1] and not NaN; give unobserved pairs weight 0")
-    if not np.allclose(C, C.T, atol=1e-9):
+    if not _is_symmetric(C, 1e-9):
         raise ValueError("C must be symmetric")
     if weights.shape not in ((len(C),), C.shape):
         raise ValueError(f"weights must have shape ({len(C)},) or {C.shape}, got {weights.shape}")
     if not (weights.min() >= 0 and np.isfinite(weights).all() and weights.sum() > 0):
         raise ValueError("weights must be finite, not negative, and not all zero")
-    if weights.ndim == 2 and not np.allclose(weights, weights.T):
+    if weights.ndim == 2 and not _is_symmetric(weights, 1e-9 * float(weights.max())):
         raise ValueError("weights must be symmetric where they are given for pairs")
     if isinstance(n_clusters, bool) or not isinstance(n_clusters, (int, np.integer)):
         raise TypeError(f"n_clusters must be a whole number, got {n_clusters!r}")
@@ -157,52 +166,197 @@ def _start(C: FloatArray, weights: FloatArray, m: int, init: str, rng: np.random
     return Y
 
 
+class _Problem:
+    """What stays the same from sweep to sweep: C, the weights, and where they are products C in sparse form.
+
+    ``off`` is C without its diagonal: indptr, indices, data of its csr format.
+    """
+
+    def __init__(self, C: FloatArray, weights: FloatArray, diagonal: bool) -> None:
+        self.C, self.weights, self.diagonal = C, weights, diagonal
+        self.own = np.diag(C).copy()
+        self.off: Any
+        self.squares: FloatArray
+        self.is_rank_one = weights.ndim == 1
+        self.off, self.squares = _off_diagonal(C, weights) if self.is_rank_one else ((None,) * 3, np.empty(0))
+
+    def products(self, Y: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """P = off · diag(a) · Y and S = Yᵀ · diag(a) · Y, where the weights are products."""
+        if not self.is_rank_one:
+            return np.empty((0, 0)), np.empty((0, 0))
+        aY = self.weights[:, None] * Y
+        indptr, indices, data = self.off
+        return _times(indptr, indices, data, aY), aY.T @ Y
+
+    def residuals(self, Y: FloatArray, P: FloatArray, S: FloatArray) -> FloatArray:
+        """(n,) share of each column in the objective."""
+        if not self.is_rank_one:
+            residual = self.C - Y @ Y.T
+            if not self.diagonal:
+                np.fill_diagonal(residual, 0.0)
+            return np.asarray((self.weights * residual**2).sum(axis=1))
+        a, square = self.weights, (Y * Y).sum(axis=1)
+        rest = self.squares - 2.0 * (Y * P).sum(axis=1) + (Y @ S * Y).sum(axis=1) - a * square**2
+        if self.diagonal:
+            rest = rest + a * (self.own - square) ** 2
+        return np.asarray(a * np.maximum(rest, 0.0))
+
+    def cost_of_joining(self, Y: FloatArray, P: FloatArray, S: FloatArray) -> FloatArray:
+        """(m, m) what the objective gains when row s is added to row r and emptied, overlaps left out."""
+        if self.is_rank_one:
+            aY, squares = self.weights[:, None] * Y, np.diag(S)
+            own = (aY * (Y * Y).sum(axis=1, keepdims=True)).T @ aY
+            return np.asarray(np.outer(squares, squares) - 2.0 * (aY.T @ P - S @ S + own))
+        residual = self.weights * (self.C - Y @ Y.T)
+        np.fill_diagonal(residual, 0.0)
+        return np.asarray((Y * Y).T @ self.weights @ (Y * Y) - 2.0 * Y.T @ residual @ Y)
+
+
 def _solve(
-    C: FloatArray,
-    weights: FloatArray,
+    problem: _Problem,
     Y: FloatArray,
-    diagonal: bool,
+    n_seeds: int,
     tolerance: float,
     max_sweeps: int,
     rng: np.random.Generator,
     monitor: Monitor,
 ) -> PeacResult:
-    """Sweeps over all columns in random order; Y holds a column of the paper's Y in each row."""
-    is_rank_one = weights.ndim == 1
-    off = C.copy()
-    np.fill_diagonal(off, 0.0)
-    P = off @ (weights[:, None] * Y) if is_rank_one else np.empty((0, 0))
-    violation: float = np.inf
-    sweep = 0
-    first = 0.0
-    while violation > tolerance and sweep < max_sweeps:
-        order = rng.permutation(len(C))
-        violation = 0.0
-        found: float
-        for chunk in np.array_split(order, max(1, len(C) // 256)):  # cancel answers between chunks
-            if is_rank_one:
-                S = (Y * weights[:, None]).T @ Y
-                found = _sweep_rank_one(
-                    chunk, off, np.diag(C).copy(), weights, Y, P, S, diagonal, 0.1 * tolerance
-                )
-            else:
-                found = _sweep_general(chunk, off, np.diag(C).copy(), weights, Y, diagonal, 0.1 * tolerance)
-            violation = max(violation, found)
-            monitor.tick()
-        sweep += 1
-        first = first or violation
-        if violation > 0:
-            monitor.tick(np.log(first / violation) / max(np.log(first / tolerance), 1e-9))
-        if is_rank_one and sweep % 50 == 0:
-            P = off @ (weights[:, None] * Y)  # sheds rounding errors
-    residual = C - Y @ Y.T
-    if not diagonal:
-        np.fill_diagonal(residual, 0.0)
-    residual *= residual
-    objective = float(weights @ residual @ weights) if is_rank_one else float((weights * residual).sum())
+    """Descent, then new seeds as long as they help; Y holds a column of the paper's Y in each row."""
+    P, S = problem.products(Y)
+    violation, n_sweeps = _descend(problem, Y, P, S, tolerance, max_sweeps, rng, monitor)
+    share = problem.residuals(Y, P, S)
+    failed: list[int] = []
+    for trial in range(n_seeds if violation <= tolerance and Y.shape[1] > 1 else 0):
+        seed = _next_seed(problem.C, share, failed)
+        if seed < 0 or len(failed) > n_seeds // 3 or n_sweeps >= max_sweeps or share.sum() < 1e-12:
+            break
+        monitor.tick(0.6 + 0.4 * trial / n_seeds)
+        Y2 = _with_row_at(problem.C, Y, problem.cost_of_joining(Y, P, S), seed)
+        P2, S2 = problem.products(Y2)
+        found, used = _descend(problem, Y2, P2, S2, 10.0 * tolerance, max_sweeps - n_sweeps, rng, monitor)
+        n_sweeps += used
+        share2 = problem.residuals(Y2, P2, S2)
+        if share2.sum() < (1.0 - 1e-4) * share.sum():
+            Y, P, S, share, violation, failed = Y2, P2, S2, share2, found, []
+        else:
+            failed.append(seed)
+    if violation > tolerance and n_sweeps < max_sweeps:
+        violation, used = _descend(problem, Y, P, S, tolerance, max_sweeps - n_sweeps, rng, monitor)
+        n_sweeps += used
+    objective = float(problem.residuals(Y, *problem.products(Y)).sum())
     Y = np.ascontiguousarray(Y.T)
     labels = Y.argmax(axis=0).astype(np.int32)
-    return PeacResult(Y, labels, objective, float(violation), bool(violation <= tolerance), sweep)
+    return PeacResult(Y, labels, objective, violation, violation <= tolerance, n_sweeps)
+
+
+def _descend(
+    problem: _Problem,
+    Y: FloatArray,
+    P: FloatArray,
+    S: FloatArray,
+    tolerance: float,
+    max_sweeps: int,
+    rng: np.random.Generator,
+    monitor: Monitor,
+) -> tuple[float, int]:
+    """Sweeps over all columns in random order until a stationary point; the violation, and how many.
+
+    Y, P and S are changed in place.
+    """
+    violation, first = np.inf, 0.0
+    weights, own, diagonal = problem.weights, problem.own, problem.diagonal
+    indptr, indices, data = problem.off
+    for sweep in range(max_sweeps):
+        violation = 0.0
+        order = rng.permutation(len(Y))
+        for chunk in np.array_split(order, max(1, len(Y) // 256)):  # cancel answers between chunks
+            if problem.is_rank_one:
+                found = _sweep_rank_one(
+                    chunk, indptr, indices, data, own, weights, Y, P, S, diagonal, 0.1 * tolerance
+                )
+            else:
+                found = _sweep_general(chunk, problem.C, own, weights, Y, diagonal, 0.1 * tolerance)
+            violation = max(violation, float(found))
+            monitor.tick()
+        first = first or violation
+        if violation <= tolerance:
+            return violation, sweep + 1
+        monitor.tick(0.6 * np.log(first / violation) / max(np.log(first / tolerance), 1e-9))
+        if problem.is_rank_one and sweep % 25 == 24:
+            P[:], S[:] = problem.products(Y)  # sheds rounding errors
+    return float(violation), max_sweeps
+
+
+def _next_seed(C: FloatArray, share: FloatArray, failed: list[int]) -> int:
+    """The column that explains most of the objective, not in the midst of those that failed; or -1."""
+    share = np.where((C[failed] > 0.5).any(axis=0), 0.0, share) if failed else share
+    seed = int(np.argmax(share))
+    return seed if share[seed] > 0 else -1
+
+
+def _with_row_at(C: FloatArray, Y: FloatArray, cost: FloatArray, seed: int) -> FloatArray:
+    """Y with two rows joined, the two that cost least, and the one set free at a column that fits badly.
+
+    It takes most of that column and of those that should be with it more than they are.
+    """
+    np.fill_diagonal(cost, np.inf)
+    stays, goes = np.unravel_index(int(np.argmin(cost)), cost.shape)
+    Y = Y.copy()
+    missing = C[seed] - Y @ Y[seed]
+    Y[:, stays] += Y[:, goes]
+    Y[:, goes] = 0.0
+    company = missing > 0.05
+    company[seed] = True
+    Y[company] *= 0.4
+    Y[company, goes] += 0.6
+    return Y
+
+
+@numba.njit(cache=True, nogil=True)
+def _is_symmetric(A, absolute):  # type: ignore[no-untyped-def]
+    n = len(A)
+    for top in range(0, n, 64):  # in tiles: both halves stay in the cache
+        for left in range(0, top + 1, 64):
+            for i in range(top, min(top + 64, n)):
+                for j in range(left, min(left + 64, i)):
+                    if abs(A[i, j] - A[j, i]) > absolute + 1e-5 * abs(A[i, j]):
+                        return False
+    return True
+
+
+@numba.njit(cache=True, nogil=True)
+def _off_diagonal(C, a):  # type: ignore[no-untyped-def]
+    """C without its diagonal as csr (indptr, indices, data), and Σ_j a_j c_ij² over it."""
+    n = len(C)
+    indptr = np.zeros(n + 1, dtype=np.int64)
+    for i in range(n):
+        indptr[i + 1] = indptr[i] + np.count_nonzero(C[i]) - (C[i, i] != 0.0)
+    data = np.empty(indptr[n])
+    indices = np.empty(indptr[n], dtype=np.int32)
+    squares = np.zeros(n)
+    size = 0
+    for i in range(n):
+        for j in range(n):
+            c = C[i, j]
+            if c != 0.0 and j != i:
+                data[size], indices[size] = c, j
+                squares[i] += a[j] * c * c
+                size += 1
+    return (indptr, indices, data), squares
+
+
+@numba.njit(cache=True, nogil=True)
+def _times(indptr, indices, data, X):  # type: ignore[no-untyped-def]
+    """Sparse (csr) matrix times dense."""
+    n, m = X.shape
+    out = np.zeros((n, m))
+    for i in range(n):
+        here = out[i]
+        for e in range(indptr[i], indptr[i + 1]):
+            there, value = X[indices[e]], data[e]
+            for r in range(m):
+                here[r] += value * there[r]
+    return out
 
 
 @numba.njit(cache=True, nogil=True)
@@ -250,16 +404,16 @@ def _quartic_step(slope, curvature, delta, rest, omega, limit):  # type: ignore[
 
 
 @numba.njit(cache=True, nogil=True)
-def _solve_column(y, p, Q, omega, c_own, tolerance):  # type: ignore[no-untyped-def]
-    """Minimise −p·y + yᵀQy/2 + ω(c − |y|²)²/4 over the simplex; gives the violation that it found."""
+def _solve_column(y, force, Q, a, omega, c_own, tolerance):  # type: ignore[no-untyped-def]
+    """Minimise −p·y + yᵀ(Q − a·y₀y₀ᵀ)y/2 + ω(c − |y|²)²/4 over the simplex, from y = y₀.
+
+    ``force`` is p − (Q − a·y₀y₀ᵀ)y₀. Gives the violation that it found.
+    """
     m = len(y)
-    force = p.copy()
+    start = y.copy()
     square = 0.0
-    for v in range(m):
-        if y[v] > 0.0:
-            square += y[v] * y[v]
-            for r in range(m):
-                force[r] -= Q[r, v] * y[v]
+    for r in range(m):
+        square += y[r] * y[r]
     first = -1.0
     for _ in range(4 * m):
         rest = c_own - square
@@ -276,7 +430,8 @@ def _solve_column(y, p, Q, omega, c_own, tolerance):  # type: ignore[no-untyped-
             first = gap
         if gap <= tolerance:
             break
-        curvature = Q[u, u] - 2.0 * Q[u, v] + Q[v, v]
+        apart = start[u] - start[v]
+        curvature = Q[u, u] - 2.0 * Q[u, v] + Q[v, v] - a * apart * apart
         slope = force[u] - force[v]
         delta = y[u] - y[v]
         if omega > 0.0:
@@ -289,45 +444,53 @@ def _solve_column(y, p, Q, omega, c_own, tolerance):  # type: ignore[no-untyped-
         square += 2.0 * t * delta + 2.0 * t * t
         y[u] += t
         y[v] = 0.0 if emptied else y[v] - t
+        to, back = Q[u], Q[v]
         for r in range(m):
-            force[r] -= t * (Q[r, u] - Q[r, v])
+            force[r] -= t * (to[r] - back[r] - a * apart * start[r])
     return first
 
 
 @numba.njit(cache=True, nogil=True)
-def _sweep_rank_one(columns, off, own, a, Y, P, S, diagonal, tolerance):  # type: ignore[no-untyped-def]
+def _sweep_rank_one(  # type: ignore[no-untyped-def]
+    columns, indptr, indices, data, own, a, Y, P, S, diagonal, tolerance
+):
     """Columns in turn with w_ij = a_i a_j; P = off·diag(a)·Y and S = Yᵀ·diag(a)·Y are kept up to date."""
-    n, m = Y.shape
+    m = Y.shape[1]
     worst = 0.0
-    Q = S.copy()
+    force = np.empty(m)
     for j in columns:
         if a[j] <= 0.0:
             continue
-        before = Y[j].copy()
+        y = Y[j]
+        before = y.copy()
+        square = 0.0
         for r in range(m):
-            if before[r] > 0.0:
-                for s in range(m):
-                    Q[r, s] = S[r, s] - a[j] * before[r] * before[s]
-            else:
-                Q[r, :] = S[r, :]
-        found = _solve_column(Y[j], P[j], Q, a[j] if diagonal else 0.0, own[j], tolerance)
+            square += y[r] * y[r]
+        for r in range(m):
+            force[r] = P[j, r] + a[j] * square * y[r]
+        for v in range(m):
+            if before[v] > 0.0:
+                row = S[v]
+                for r in range(m):
+                    force[r] -= row[r] * before[v]
+        found = _solve_column(y, force, S, a[j], a[j] if diagonal else 0.0, own[j], tolerance)
         worst = max(worst, found)
         if found <= tolerance:
             continue
-        changed = np.flatnonzero(Y[j] != before)
-        for i in range(n):
-            pull = a[j] * off[j, i]
-            if pull != 0.0:
-                for c in changed:
-                    P[i, c] += pull * (Y[j, c] - before[c])
+        changed = np.flatnonzero(y != before)
+        for e in range(indptr[j], indptr[j + 1]):
+            here, pull = P[indices[e]], a[j] * data[e]
+            for c in changed:
+                here[c] += pull * (y[c] - before[c])
         for r in range(m):
-            for s in range(m):
-                S[r, s] = Q[r, s] + a[j] * Y[j, r] * Y[j, s]
+            if y[r] != 0.0 or before[r] != 0.0:
+                for s in range(m):
+                    S[r, s] += a[j] * (y[r] * y[s] - before[r] * before[s])
     return worst
 
 
 @numba.njit(cache=True, nogil=True)
-def _sweep_general(columns, off, own, W, Y, diagonal, tolerance):  # type: ignore[no-untyped-def]
+def _sweep_general(columns, C, own, W, Y, diagonal, tolerance):  # type: ignore[no-untyped-def]
     """Columns in turn with any weights: O(n · m²) each, less where the other columns are sparse."""
     n, m = Y.shape
     worst = 0.0
@@ -349,13 +512,17 @@ def _sweep_general(columns, off, own, W, Y, diagonal, tolerance):  # type: ignor
                     count += 1
             for x in range(count):
                 r = support[x]
-                p[r] += w * off[j, i] * Y[i, r]
+                p[r] += w * C[j, i] * Y[i, r]
                 for z in range(count):
                     Q[r, support[z]] += w * Y[i, r] * Y[i, support[z]]
         if total <= 0.0:
             continue
-        found = _solve_column(
-            Y[j], p / total, Q / total, W[j, j] / total if diagonal else 0.0, own[j], tolerance
-        )
+        p /= total
+        Q /= total
+        for x in range(m):
+            if Y[j, x] > 0.0:
+                for r in range(m):
+                    p[r] -= Q[r, x] * Y[j, x]
+        found = _solve_column(Y[j], p, Q, 0.0, W[j, j] / total if diagonal else 0.0, own[j], tolerance)
         worst = max(worst, found)
     return worst

@@ -83,7 +83,7 @@ def main() -> None:
         seconds_C, (C, weights, _, _) = timed(co_association, keys, areas)
         seconds, first = timed(peac, C, weights, arguments.clusters)
         others = [
-            peac(C, weights, arguments.clusters, init="dirichlet", seed=seed).objective
+            peac(C, weights, arguments.clusters, init="dirichlet", n_seeds=0, seed=seed).objective
             for seed in range(arguments.restarts)
         ]
         best = min([first.objective, *others])

@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import approx_fprime, minimize
 
+from scenewidget.engine.consensus import co_association
 from scenewidget.engine.monitor import Cancelled, Monitor
-from scenewidget.engine.peac import peac
+from scenewidget.engine.peac import _Problem, peac
 
 
 def objective(C, weights, Y, *, diagonal=True):
@@ -138,9 +139,69 @@ def test_restarts_are_as_good_as_a_generic_solver_from_many_starts(seed, diagona
 def test_weights_for_pairs_that_are_products_give_what_areas_give(problem, diagonal):
     C, weights, m = problem
     weights = weights + 0.1
-    a = peac(C, weights, m, diagonal=diagonal, tolerance=1e-7)
-    W = peac(C, np.outer(weights, weights), m, diagonal=diagonal, tolerance=1e-7)
+    a = peac(C, weights, m, diagonal=diagonal, n_seeds=0, tolerance=1e-7)
+    W = peac(C, np.outer(weights, weights), m, diagonal=diagonal, n_seeds=0, tolerance=1e-7)
     assert W.objective == pytest.approx(a.objective, rel=1e-4, abs=1e-8)
+    rows = np.random.default_rng(0).dirichlet(np.ones(m), size=len(C))
+    a, W = weights / weights.sum(), np.outer(weights, weights) / weights.sum() ** 2
+    fast, plain = _Problem(C, a, diagonal), _Problem(C, W, diagonal)
+    P, S = fast.products(rows)
+    np.testing.assert_allclose(fast.residuals(rows, P, S), plain.residuals(rows, P, S), atol=1e-12)
+    np.testing.assert_allclose(
+        fast.residuals(rows, P, S).sum(), objective(C, weights, rows.T, diagonal=diagonal)
+    )
+    joining = [problem.cost_of_joining(rows, P, S) for problem in (fast, plain)]
+    np.testing.assert_allclose(joining[0], joining[1], atol=1e-12)
+
+
+@given(problems())
+def test_the_cost_of_joining_two_rows_is_what_the_objective_gains(problem):
+    """Exact where the rows have no column in common, the diagonal left out."""
+    C, weights, _ = problem
+    m = 3
+    labels = np.random.default_rng(0).integers(0, m, len(C))
+    rows = np.eye(m)[labels]
+    a = weights / weights.sum()
+    helper = _Problem(C, a, False)
+    cost = helper.cost_of_joining(rows, *helper.products(rows))
+    before = objective(C, weights, rows.T, diagonal=False)
+    for r, s in ((0, 1), (0, 2), (1, 2)):
+        joined = rows.copy()
+        joined[:, r] += joined[:, s]
+        joined[:, s] = 0
+        gained = objective(C, weights, joined.T, diagonal=False) - before
+        assert 2 * cost[r, s] == pytest.approx(gained, abs=1e-12)
+
+
+@given(problems(), st.booleans(), st.booleans())
+@settings(max_examples=50)
+def test_new_seeds_never_make_it_worse(problem, diagonal, by_pairs):
+    C, weights, m = problem
+    weights = np.outer(weights, weights) if by_pairs else weights
+    values = [peac(C, weights, m, diagonal=diagonal, n_seeds=n, tolerance=1e-6) for n in (0, 6)]
+    assert values[1].objective <= values[0].objective + 1e-9
+    assert values[1].converged == values[0].converged
+
+
+def ensemble_of_the_square(seed, n_base=300, n_runs=20):
+    """Points clustered around random centres, other ones in every run: nothing fits exactly."""
+    rng = np.random.default_rng(seed)
+    points = rng.random((4 * n_base, 2))
+    keys = np.stack(
+        [
+            ((points[:, None] - rng.random((rng.integers(20, 26), 2))) ** 2).sum(axis=2).argmin(axis=1)
+            for _ in range(n_runs)
+        ],
+        axis=1,
+    )
+    return co_association(keys[:n_base], rng.exponential(size=n_base))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_one_call_is_as_good_as_the_best_of_many_random_starts(seed):
+    C, weights, _, _ = ensemble_of_the_square(seed)
+    best = peac(C, weights, 10, init="dirichlet", n_restarts=6, n_seeds=0, seed=seed).objective
+    assert peac(C, weights, 10).objective <= 1.01 * best
 
 
 def test_pairs_that_were_never_seen_together_do_not_count():
@@ -235,6 +296,7 @@ TWO = np.eye(2)
         (TWO, np.ones(2), True, {}, TypeError, "n_clusters must be a whole number"),
         (TWO, np.ones(2), 2, {"init": "uniform"}, ValueError, "init must be 'linkage' or 'dirichlet'"),
         (TWO, np.ones(2), 2, {"n_restarts": 0}, ValueError, "n_restarts must be at least 1"),
+        (TWO, np.ones(2), 2, {"n_seeds": -1}, ValueError, "n_seeds must be at least 0"),
         (TWO, np.ones(2), 2, {"tolerance": 0.0}, ValueError, "tolerance must be above 0"),
     ],
 )  # fmt: skip
