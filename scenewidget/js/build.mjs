@@ -5,6 +5,8 @@ await build({
   entryPoints: [
     { in: "src/index.js", out: "scene_view" },
     { in: "src/style.css", out: "scene_view" },
+    { in: "src/controls.js", out: "controls" },
+    { in: "src/controls.css", out: "controls" },
   ],
   outdir: process.argv[2] ?? "../static",
   bundle: true,

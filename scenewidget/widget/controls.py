@@ -1,121 +1,196 @@
-"""Sliders for the parameters that one explores, as ipywidgets that can be observed and linked.
+"""The settings below the picture: every option of `Params`, what it does, and when it does nothing.
 
-Goes in: `Params`. Comes out: new `Params`, whenever a person moves something.
+Goes in: `Params`. Comes out: new `Params`, whenever a person is done with an input, and, while a thumb still
+moves, those that it passes over.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import dataclasses
+from collections.abc import Callable, Sequence
 from typing import Any
 
-import ipywidgets as widgets
+import anywidget
+import traitlets
 
 from scenewidget.engine.params import Params
+from scenewidget.widget.bundle import bundled
+from scenewidget.widget.settings import (
+    PRESETS,
+    SETTINGS,
+    changes_from,
+    idle_reasons,
+    nearest_preset,
+    params_code,
+)
 
 __all__ = ["ParamsControls"]
 
-STYLE = {"description_width": "7rem"}
-SLIDER = {"width": "25rem", "max_width": "100%"}
 
-
-class ParamsControls(widgets.VBox):
-    """S, the k-range and the cost exponent.
+class ParamsControls(anywidget.AnyWidget):
+    """Sliders and inputs for `Params`; ``observe`` its ``params``, or set them.
 
     Parameters
     ----------
     params : Params
-    on_change : callable (Params)
-        Called with the new parameters after a person let go of a control.
-    on_rerun : callable ()
-        Called when "Segment again" is pressed.
 
     Attributes
     ----------
-    n_segments, k_range, cost_exponent : ipywidgets sliders
-    tied : Checkbox
-        Whether the k-range follows S as 2S to 2.5S.
-    rerun : Button
-        Shown while the picture isn't what the settings say, after a cancel or an error.
+    params : Params
+        As they are set.
+    code : str
+        Python that makes these parameters.
+    can_rerun : bool
+        Whether "Segment again" is offered: the picture isn't what the settings say, after a cancel or an
+        error.
     """
 
-    def __init__(
-        self, params: Params, on_change: Callable[[Params], None], on_rerun: Callable[[], None]
-    ) -> None:
-        self._params = params
-        self._on_change = on_change
-        self._is_showing = False
-        self.n_segments = widgets.IntSlider(
-            min=2, max=200, description="Segments S", tooltip="How many segments to aim at",
-            continuous_update=False, style=STYLE, layout=SLIDER,
-        )  # fmt: skip
-        self.k_range = widgets.IntRangeSlider(
-            min=2, max=500, description="k-range", tooltip="Least and most clusters of a k-medoids run",
-            continuous_update=False, style=STYLE, layout=SLIDER,
-        )  # fmt: skip
-        self.tied = widgets.Checkbox(
-            description="tied to S (2S to 2.5S)", indent=False, layout={"width": "auto"},
-            tooltip="Let the k-range follow S",
-        )  # fmt: skip
-        self.cost_exponent = widgets.FloatSlider(
-            min=0.0, max=4.0, step=0.05, readout_format=".2f", description="Cost exponent C",
-            tooltip="How strongly creases separate: cost = max(A + B⟨N,N'⟩, 0)^C",
-            continuous_update=False, style=STYLE, layout=SLIDER,
-        )  # fmt: skip
-        self.rerun = widgets.Button(
-            description="Segment again", layout={"display": "none", "width": "auto"},
-            tooltip="Compute with the settings shown, after a cancel or an error",
-        )  # fmt: skip
-        for control in (self.n_segments, self.k_range, self.tied, self.cost_exponent):
-            control.observe(self._moved, "value")
-        self.rerun.on_click(lambda _: on_rerun())
-        row = {"flex_flow": "row wrap", "align_items": "center"}
+    _esm = traitlets.Unicode().tag(sync=True)
+    _css = traitlets.Unicode().tag(sync=True)
+
+    params = traitlets.Instance(Params)
+    can_rerun = traitlets.Bool(False).tag(sync=True)
+    code = traitlets.Unicode(read_only=True).tag(sync=True)
+
+    fields: Any = traitlets.List(read_only=True).tag(sync=True)
+    values = traitlets.Dict(read_only=True).tag(sync=True)  # of the options, as JSON
+    k_bounds: Any = traitlets.List(read_only=True).tag(sync=True)  # the k-range in force
+    idle = traitlets.Dict(read_only=True).tag(sync=True)  # why options have no effect, by name
+    problems = traitlets.Dict(read_only=True).tag(sync=True)  # what was wrong with the last value, by name
+    changed: Any = traitlets.List(read_only=True).tag(
+        sync=True
+    )  # names of options that differ from the preset
+    preset = traitlets.Unicode(read_only=True).tag(sync=True)
+    presets: Any = traitlets.List(read_only=True).tag(sync=True)
+    family: Any = traitlets.List(read_only=True).tag(
+        sync=True
+    )  # fewest and most segments, those of the result
+    scores: Any = traitlets.List(read_only=True).tag(sync=True)
+    revision = traitlets.Int(read_only=True).tag(sync=True)  # inputs are drawn anew when it grows
+    _channel = traitlets.Unicode().tag(sync=True)  # on which it speaks to the picture
+
+    def __init__(self, params: Params | None = None, **options: Any) -> None:
+        self._on_move: Callable[[str, Params], None] | None = None
+        self._on_leave: Callable[[], None] | None = None
+        self._on_rerun: Callable[[], None] | None = None
         super().__init__(
-            [
-                widgets.Box([self.n_segments, self.cost_exponent], layout=row),
-                widgets.Box([self.k_range, self.tied, self.rerun], layout=row),
-            ]
+            _esm=bundled("controls.js"), _css=bundled("controls.css"), params=params or Params(), **options
         )
-        self.show(params)
+        self.set_trait("fields", [setting.to_json() for setting in SETTINGS])
+        self.set_trait("presets", list(PRESETS))
+        self.observe(self._show, "params")
+        self._show()
+        self.on_msg(self._handle)
 
-    def show(self, params: Params) -> None:
-        """Set all controls to what the parameters say, without reporting a change."""
-        self._is_showing = True
+    def __repr__(self) -> str:
+        return f"ParamsControls({self.code})"
+
+    def connect(
+        self,
+        *,
+        on_move: Callable[[str, Params], None] | None = None,
+        on_leave: Callable[[], None] | None = None,
+        on_rerun: Callable[[], None] | None = None,
+    ) -> None:
+        """Be told of what people do beside setting `params`.
+
+        Parameters
+        ----------
+        on_move : callable (name, params)
+            A thumb moves; so would the parameters be if it were let go here.
+        on_leave : callable ()
+            It is back where it was.
+        on_rerun : callable ()
+            "Segment again" was pressed.
+        """
+        self._on_move, self._on_leave, self._on_rerun = on_move, on_leave, on_rerun
+
+    def set(self, name: str, value: Any) -> None:
+        """Do what a person does who sets one input.
+
+        A value that can't be is not taken; `problems` says why. Another S takes the granularity back to
+        that of the result.
+        """
         try:
-            self._params = params
-            s = 50 if params.n_segments == "auto" else params.n_segments
-            self.n_segments.max = max(self.n_segments.max, s)
-            self.n_segments.value = s
-            self.cost_exponent.max = max(self.cost_exponent.max, params.cost_exponent)
-            self.cost_exponent.value = params.cost_exponent
-            self.tied.value = params.k_range is None
-            self._show_k_range(params.k_bounds)
-        finally:
-            self._is_showing = False
-
-    def offer_rerun(self, is_offered: bool) -> None:
-        """Show or hide the button "Segment again"."""
-        self.rerun.layout.display = "" if is_offered else "none"
-
-    def _show_k_range(self, bounds: tuple[int, int]) -> None:
-        self.k_range.max = max(self.k_range.max, bounds[1])
-        self.k_range.min = min(self.k_range.min, bounds[0])
-        self.k_range.value = bounds
-
-    def _moved(self, change: dict[str, Any]) -> None:
-        if self._is_showing:
+            params = self._with(name, value)
+        except (TypeError, ValueError) as error:
+            self.set_trait("problems", {name: str(error)})
+            self._redraw()
             return
-        if change["owner"] is self.k_range:
-            self._is_showing = True
-            self.tied.value = False
-            self._is_showing = False
-        # only what was moved may change: another field can hold a value that no slider can show
-        changes: dict[str, Any] = {}
-        if change["owner"] is self.n_segments:
-            changes["n_segments"] = self.n_segments.value
-        elif change["owner"] is self.cost_exponent:
-            changes["cost_exponent"] = self.cost_exponent.value
+        if params == self.params:
+            self._show()
+            if self._on_leave is not None:
+                self._on_leave()
         else:
-            changes["k_range"] = None if self.tied.value else tuple(self.k_range.value)
-        params = self._params.replace(**changes)
-        self.show(params)
-        self._on_change(params)
+            self.params = params
+
+    def use_preset(self, name: str) -> None:
+        """Take all options from a preset, apart from the number of segments and the seed."""
+        if name not in PRESETS:
+            raise ValueError(f"name must be one of {', '.join(map(repr, PRESETS))}, got {name!r}")
+        p = self.params
+        self.params = PRESETS[name].replace(n_segments=p.n_segments, seed=p.seed)
+
+    def offer_family(self, bounds: Sequence[int]) -> None:
+        """Let the granularity be chosen: fewest and most segments, and those of the result; () = not now."""
+        self.set_trait("family", list(bounds))
+        self._show()
+
+    def show_scores(self, scores: Sequence[dict[str, str]]) -> None:
+        """Show how the segments compare with the truth, each a dict of name, text, tip and trend."""
+        self.set_trait("scores", list(scores))
+
+    def _with(self, name: str, value: Any) -> Params:
+        if isinstance(value, list):
+            value = tuple(value)
+        if name in WHOLE and isinstance(value, float) and value.is_integer():
+            value = int(value)
+        changes = {name: value}
+        if name == "n_segments":
+            changes["granularity"] = None
+        if name == "granularity" and self.family and value == self.family[2]:
+            changes["granularity"] = None
+        return self.params.replace(**changes)
+
+    def _show(self, _: Any = None) -> None:
+        params = self.params
+        idle = idle_reasons(params)
+        if not self.family:
+            idle["granularity"] = "It can be chosen as soon as there is a result."
+        elif self.family[0] == self.family[1]:
+            idle["granularity"] = "All runs agree on these segments: there are no coarser or finer ones."
+        preset = nearest_preset(params)
+        with self.hold_sync():
+            self.set_trait("values", dataclasses.asdict(params))
+            self.set_trait("k_bounds", list(params.k_bounds))
+            self.set_trait("idle", idle)
+            self.set_trait("problems", {})
+            self.set_trait("preset", preset)
+            self.set_trait("changed", list(changes_from(preset, params)))
+            self.set_trait("code", params_code(params))
+            self._redraw()
+
+    def _redraw(self) -> None:
+        self.set_trait("revision", self.revision + 1)
+
+    def _handle(self, _: Any, message: Any, __: Any) -> None:
+        kind = message.get("kind") if isinstance(message, dict) else None
+        if kind == "set":
+            self.set(message["name"], message["value"])
+        elif kind == "move" and self._on_move is not None:
+            try:
+                params = self._with(message["name"], message["value"])
+            except (TypeError, ValueError):
+                return  # it is said when the thumb rests
+            self._on_move(message["name"], params)
+        elif kind == "leave" and self._on_leave is not None:
+            self._on_leave()
+        elif kind == "rerun" and self._on_rerun is not None:
+            self._on_rerun()
+        elif kind == "preset":
+            self.use_preset(message["name"])
+
+
+WHOLE = {setting.name for setting in SETTINGS if isinstance(getattr(Params(), setting.name), int)} | {
+    "granularity"
+}

@@ -93,7 +93,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -106,6 +105,7 @@ from scenewidget.engine.atoms import Atoms, common_refinement
 from scenewidget.engine.family import Family
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+from scenewidget.widget.bundle import bundled
 from scenewidget.widget.page import make_page
 from scenewidget.widget.palette import (
     adjacent_segments,
@@ -119,7 +119,6 @@ from scenewidget.widget.upright import AXES, checked_up, detect_up
 
 __all__ = ["SceneView"]
 
-STATIC = Path(__file__).parent.parent / "static"
 SAVE_STATES = ("", "unsaved", "saving", "saved", "failed", "read-only")
 WHOLE = [(0.0, 1.0)] * 3
 N_SPARE = 6  # colours for segments that the browser makes before Python knows of them
@@ -225,8 +224,8 @@ class SceneView(anywidget.AnyWidget):
         if mesh.vertex_colors is not None:
             options.setdefault("color_by", "scan")
         super().__init__(
-            _esm=_bundled("scene_view.js"),
-            _css=_bundled("scene_view.css"),
+            _esm=bundled("scene_view.js"),
+            _css=bundled("scene_view.css"),
             _up=_up_vector(up, mesh),
             _headers={name: _header(array) for name, array in arrays.items()},
             **{f"_{name}": array.tobytes() for name, array in arrays.items()},
@@ -541,8 +540,8 @@ class SceneView(anywidget.AnyWidget):
         page = make_page(
             state,
             arrays,
-            bundle=_bundled("scene_view.js"),
-            style=_bundled("scene_view.css"),
+            bundle=bundled("scene_view.js"),
+            style=bundled("scene_view.css"),
             title=title or repr(self),
         )
         path = Path(path)
@@ -719,14 +718,3 @@ def _own_names() -> list[str]:
 def _option_names() -> list[str]:
     traits = SceneView.class_own_traits()
     return [name for name in _own_names() if not traits[name].read_only]
-
-
-@cache
-def _bundled(name: str) -> str:
-    path = STATIC / name
-    if not path.is_file():
-        raise FileNotFoundError(
-            f"{path} is missing: the front end was not built. Install the package again, with "
-            "`pip install .` or `pip install -e .` in its folder; both build it"
-        )
-    return path.read_text(encoding="utf-8")

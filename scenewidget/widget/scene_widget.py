@@ -7,6 +7,7 @@ script can do without it. The engine runs in one worker thread, so the notebook 
 from __future__ import annotations
 
 import os
+import secrets
 import threading
 import time
 import warnings
@@ -25,6 +26,7 @@ from scenewidget.engine.segmentation import Segmentation
 from scenewidget.widget.controls import ParamsControls
 from scenewidget.widget.editor import Editor
 from scenewidget.widget.keeper import Keeper
+from scenewidget.widget.previewer import Previewer, preview_params
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.worker import Worker
 
@@ -88,7 +90,7 @@ class SceneWidget(widgets.VBox):
     view : SceneView
         The picture: colours, level, camera.
     controls : ParamsControls
-        The sliders.
+        The settings, all options of `Params`. While one is dragged, the picture shows a preview.
     pipeline : Pipeline
 
     Raises
@@ -115,9 +117,11 @@ class SceneWidget(widgets.VBox):
             raise TypeError(f"params must be a Params, got {type(params).__name__}")
         params = params or Params()
         self.pipeline = Pipeline(mesh)
-        self.view = SceneView(self.pipeline.mesh, height=height, editable=True)
-        self.controls = ParamsControls(params, self._set_params, self._compute)
+        channel = secrets.token_hex(8)
+        self.view = SceneView(self.pipeline.mesh, height=height, editable=True, _channel=channel)
+        self.controls = ParamsControls(params, _channel=channel)
         self._lock = threading.RLock()
+        self._previewer = Previewer(self.pipeline, self.view, self._lock)
         self._is_observed = False
         self._keeper = Keeper(self.view, self._lock, autosave, self.restore)
         self._editor = Editor(self.view, self._lock, self._keeper, self._take_edit)
@@ -133,7 +137,9 @@ class SceneWidget(widgets.VBox):
         )
         super().__init__([self.view, self.controls], params=params)
         self.view.on_msg(self._handle_message)
+        self.controls.connect(on_move=self._preview, on_leave=self._previewer.end, on_rerun=self._compute)
         self.observe(self._take_params, "params")
+        self.controls.observe(lambda change: self.set_trait("params", change["new"]), "params")
         self._compute()
 
     def __repr__(self) -> str:
@@ -247,6 +253,8 @@ class SceneWidget(widgets.VBox):
         self._editor.adopt(session)
         with self._lock:
             self._error, self._shown_params = None, self.params
+            self.view.set_family(None)  # until something is computed again
+            self.controls.offer_family(())
             n = len(session.history)
             self._end(f"Restored {n} step{'' if n == 1 else 's'} from {Path(path).name}")
 
@@ -261,23 +269,26 @@ class SceneWidget(widgets.VBox):
             self.view.close()
         super().close()
 
-    def _set_params(self, params: Params) -> None:
-        self.params = params
-
     def _take_params(self, change: dict[str, Any]) -> None:
-        self.controls.show(change["new"])
+        self.controls.params = change["new"]
         if not self._is_restoring:
             self._compute()
 
+    def _preview(self, _: str, params: Params) -> None:
+        """Show roughly what these parameters would give; nothing but the picture changes."""
+        if self._shown_params is not None:
+            self._previewer.ask(preview_params(self.pipeline, params, self._shown_params))
+
     def _compute(self) -> None:
         params = self.params
+        self._previewer.stop()
         with self._lock:
             self._error = None
             self._started = time.perf_counter()
             self.set_trait("busy", True)
             self.view.error = ""
             self.view.status, self.view.progress, self.view.busy = "Starting", 0.0, True
-            self.controls.offer_rerun(False)
+            self.controls.can_rerun = False
 
         def task(progress: Callable[[str, float], None], cancel: threading.Event) -> Any:
             return params, self.pipeline.run(params, progress=progress, cancel=cancel)
@@ -319,6 +330,15 @@ class SceneWidget(widgets.VBox):
             if lost:
                 summary += f"; {lost} of the edits don't apply to it, see session.history"
             self._end(summary)
+        self._offer_family(params)
+
+    def _offer_family(self, params: Params) -> None:
+        """Let the granularity of the result be chosen."""
+        family = self.pipeline.family(params)
+        with self._lock:
+            if params == self._shown_params:
+                self.view.set_family(family)
+                self.controls.offer_family([family.least, family.most, family.segmentation.n_segments])
 
     def _show_error(self, error: BaseException) -> None:
         with self._lock:
@@ -334,6 +354,7 @@ class SceneWidget(widgets.VBox):
         return "" if self.session is None else "; the picture shows the result before"
 
     def _end(self, summary: str) -> None:
-        self.controls.offer_rerun(self._shown_params != self.params)
+        self._previewer.settle()
+        self.controls.can_rerun = self._shown_params != self.params
         self.view.status, self.view.progress, self.view.busy = summary, 1.0, False
         self.set_trait("busy", False)

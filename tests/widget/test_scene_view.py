@@ -13,7 +13,7 @@ from shapes import box, grid_square
 
 from scenewidget.engine.atoms import common_refinement
 from scenewidget.engine.mesh import Mesh
-from scenewidget.widget import scene_view
+from scenewidget.widget import bundle
 from scenewidget.widget.palette import (
     _differences,
     adjacent_segments,
@@ -328,13 +328,13 @@ def test_an_unknown_option_is_named_with_those_there_are():
 
 
 def test_a_missing_bundle_says_what_to_do(monkeypatch, tmp_path):
-    monkeypatch.setattr(scene_view, "STATIC", tmp_path)
-    scene_view._bundled.cache_clear()
+    monkeypatch.setattr(bundle, "STATIC", tmp_path)
+    bundle.bundled.cache_clear()
     try:
         with pytest.raises(FileNotFoundError, match=r"front end was not built.*pip install"):
             SceneView(grid_square(2))
     finally:
-        scene_view._bundled.cache_clear()
+        bundle.bundled.cache_clear()
 
 
 def test_the_bundle_is_part_of_the_state_of_a_saved_page(view):

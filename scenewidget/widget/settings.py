@@ -1,0 +1,204 @@
+"""What there is to set: each option of `Params` with its words, its input, and when it has no effect.
+
+Goes in: `Params`. Come out: descriptions that the browser makes inputs of, reasons why an option does nothing
+under the present others, and the Python that makes these parameters.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from scenewidget.engine.params import _CHOICES, Params
+
+__all__ = ["PRESETS", "SETTINGS", "Setting", "changes_from", "idle_reasons", "nearest_preset", "params_code"]
+
+Kind = Literal["slider", "range", "number", "choice", "check", "list", "family"]
+
+PRESETS: Mapping[str, Params] = {"Default": Params(), "Thesis": Params.thesis()}
+CODE = {"Default": "sw.Params", "Thesis": "sw.Params.thesis"}
+FREE = ("n_segments", "granularity", "seed")  # belong to no preset: changing them is no departure from it
+
+
+@dataclass(frozen=True)
+class Setting:
+    """An input for one option."""
+
+    name: str
+    label: str
+    tip: str  # one sentence
+    kind: Kind
+    group: str = ""  # "" is always on view, others are folded away
+    low: float | None = None
+    high: float | None = None
+    step: float | None = None
+    automatic: str = ""  # text of a box that leaves the value to the program
+    automatic_value: Any = None
+
+    def to_json(self) -> dict[str, Any]:
+        """As the browser takes it."""
+        words = {"automaticValue" if k == "automatic_value" else k: v for k, v in vars(self).items()}
+        if self.kind == "choice":
+            words["choices"] = [[value, _text(value)] for value in _CHOICES[self.name]]
+        return {k: v for k, v in words.items() if v is not None or k == "automaticValue"}
+
+
+def _text(value: str) -> str:
+    return {"gps": "GPS", "hks": "HKS", "wks": "WKS", "peac": "PEAC"}.get(value, value.capitalize())
+
+
+MAIN = (
+    Setting(
+        "granularity", "Granularity", "How many segments: joins or divides those of this result, at once.",
+        "family", low=1, high=2, step=1, automatic="as computed",
+    ),
+    Setting(
+        "n_segments", "Segments S", "How many segments the consensus aims at; crumbs come on top.",
+        "slider", low=2, high=200, step=1, automatic="automatic", automatic_value="auto",
+    ),
+    Setting(
+        "k_range", "k-range", "Least and most clusters of a k-medoids run: more clusters see finer things.",
+        "range", low=2, high=500, automatic="2S to 2.5S",
+    ),
+    Setting(
+        "cost_exponent", "Cost exponent",
+        "How much sharp creases count against soft ones: cost = max(A + B⟨N, N'⟩, 0)^C.",
+        "slider", low=0, high=4, step=0.05,
+    ),
+)  # fmt: skip
+FOLDED = (
+    Setting("cost_a", "A", "The constant in the cost of a crease, max(A + B⟨N, N'⟩, 0)^C.",
+            "number", "Distances", step=0.05),
+    Setting("cost_b", "B", "What the angle between two normals counts in the cost of a crease.",
+            "number", "Distances", step=0.05),
+    Setting("feature", "Feature", "What neighbouring items are compared by, beside their normals.",
+            "choice", "Distances"),
+    Setting("laplacian", "Laplacian", "Which Laplacian the eigenfunctions behind the signatures come from.",
+            "choice", "Distances"),
+    Setting("n_eigenpairs", "Eigenfunctions", "How many eigenfunctions a signature is made of.",
+            "number", "Distances", 1, 1000, 1),
+    Setting("feature_floor", "Feature floor", "What a crease counts where the feature sees no difference.",
+            "number", "Distances", 0, None, 0.01),
+    Setting("hop", "Hop", "What every step costs, so that many small creases add up.",
+            "number", "Distances", 0, None, 0.005),
+    Setting("travel", "Travel", "What a metre costs on a flat surface.",
+            "number", "Distances", 0, None, 0.0001),
+    Setting("convex_weights", "Convex weights",
+            "What convex creases count against concave ones, in turn over the runs.", "list", "Distances"),
+    Setting("n_runs", "k-medoids runs", "How many k-medoids clusterings vote.", "number", "Ensemble",
+            0, 10_000, 1),
+    Setting("n_graph_runs", "Graph runs", "How many graph segmentations at random thresholds vote.",
+            "number", "Ensemble", 0, 10_000, 1),
+    Setting("seed", "Seed", "Start of the random numbers: the same seed gives the same segments.",
+            "number", "Ensemble", 0, None, 1),
+    Setting("init", "First medoids", "Where the runs of k-medoids start from.", "choice", "Ensemble"),
+    Setting("allocation", "Shares of k", "By what separate components of the scan share out the clusters.",
+            "choice", "Ensemble"),
+    Setting("merge", "Merge planes", "Joins the pieces of a plane within each run before it votes.",
+            "check", "Ensemble"),
+    Setting("merge_flatness", "… flatness", "Largest λ2/λ0 at which a piece counts as flat.",
+            "number", "Ensemble", 0, 1, 0.001),
+    Setting("merge_normal", "… normals", "Least dot product of the normals of two planes that are joined.",
+            "number", "Ensemble", 0, 1, 0.005),
+    Setting("merge_seam", "… seam", "Least dot product of the normals on both sides of their seam.",
+            "number", "Ensemble", -1, 1, 0.005),
+    Setting("consensus", "Consensus", "How the votes of all runs become one segmentation.",
+            "choice", "Consensus"),
+    Setting("linkage_similarity", "Agreement",
+            "Share of the runs that must agree, where the number is automatic.",
+            "number", "Consensus", 0, 1, 0.05),
+    Setting("leftover", "Leftovers", "What becomes of pieces that belong nowhere with a probability of ½.",
+            "choice", "Consensus"),
+    Setting("join_planes", "Join walls",
+            "Joins the pieces of one wall, floor or ceiling that doors cut apart.", "check", "Consensus"),
+    Setting("min_area", "Least area", "Segments below this area, in m², go to a neighbour.",
+            "number", "Consensus", 0, None, 0.01),
+    Setting("items", "Items", "What is clustered: patches of the scan, or faces of a simplified mesh.",
+            "choice", "Items"),
+    Setting("n_items", "Most items", "How many items there may be: more are finer and slower.",
+            "number", "Items", 2, 40_000, 500),
+    Setting("simplifier", "Simplifier", "Which program simplifies the mesh.", "choice", "Items"),
+    Setting("filter_sweeps", "Smoothing", "Sweeps of the filter that smooths the normals under the patches.",
+            "number", "Items", 0, 1000, 5),
+    Setting("bridge", "Bridge", "Fragments this close, in metres, count as neighbours.",
+            "number", "Items", 0, None, 0.01),
+    Setting("n_slots", "Dihedral slots", "How finely the level “dihedral” tells angles apart.",
+            "number", "Items", 2, 100_000, 8),
+    Setting("dihedral_order", "Dihedral seeds", "In which order the parts of the level “dihedral” grow.",
+            "choice", "Items"),
+)  # fmt: skip
+
+
+def _more(name: str, value: Any) -> Setting:
+    """An input for an option that has no words of its own here yet."""
+    label = name.replace("_", " ").capitalize()
+    kind: Kind = "choice" if name in _CHOICES else "check" if isinstance(value, bool) else "number"
+    return Setting(name, label, f"See help(Params): {name}.", kind, "More")
+
+
+_DEFAULTS = {field.name: getattr(Params(), field.name) for field in dataclasses.fields(Params)}
+_NAMED = {setting.name for setting in (*MAIN, *FOLDED)}
+SETTINGS: tuple[Setting, ...] = (
+    *(setting for setting in (*MAIN, *FOLDED) if setting.name in _DEFAULTS),
+    *(_more(name, value) for name, value in _DEFAULTS.items() if name not in _NAMED),
+)
+
+
+def idle_reasons(params: Params) -> dict[str, str]:
+    """Why options have no effect under the present others, by name."""
+    p, why = params, {}
+    has_runs = p.n_runs > 0
+    if p.consensus == "median" and (p.k_range is not None or not has_runs):
+        why["n_segments"] = "The median partition finds its own number."
+    if not has_runs:
+        no_runs = "There are no k-medoids runs."
+        for name in ("init", "merge", "cost_a", "cost_b", "feature", "travel", "convex_weights"):
+            why[name] = no_runs
+        if not (p.consensus == "peac" and p.n_segments == "auto"):
+            why["k_range"] = no_runs
+        if p.consensus != "peac":
+            why["allocation"] = no_runs
+    if not has_runs or p.feature == "normals":
+        why["feature_floor"] = why.get("feature", "Normals alone have no feature to be blind.")
+    if not has_runs or p.feature not in ("gps", "hks", "wks"):
+        for name in ("laplacian", "n_eigenpairs"):
+            why[name] = why.get("feature", "Only the signatures GPS, HKS and WKS need eigenfunctions.")
+    if not (has_runs and p.merge):
+        for name in ("merge_flatness", "merge_normal", "merge_seam"):
+            why[name] = why.get("merge", "Planes are not merged.")
+    if p.consensus != "linkage" or p.n_segments != "auto":
+        why["linkage_similarity"] = "It counts only when linkage finds the number of segments by itself."
+    if p.consensus != "peac":
+        why["leftover"] = "Only PEAC leaves pieces over."
+    if p.items == "superfacets":
+        why["simplifier"] = "The scan is not simplified."
+    else:
+        for name in ("filter_sweeps", "bridge"):
+            why[name] = "It shapes patches, but the items are faces of a simplified mesh."
+    return why
+
+
+def nearest_preset(params: Params) -> str:
+    """The preset that differs in fewest options."""
+    return min(PRESETS, key=lambda name: len(changes_from(name, params)))
+
+
+def changes_from(preset: str, params: Params) -> dict[str, Any]:
+    """Options that differ from a preset, those left aside that belong to none."""
+    start = PRESETS[preset]
+    return {
+        name: getattr(params, name)
+        for name in _DEFAULTS
+        if name not in FREE and getattr(params, name) != getattr(start, name)
+    }
+
+
+def params_code(params: Params) -> str:
+    """Python that makes these parameters, as short as it can be."""
+    preset = nearest_preset(params)
+    start = PRESETS[preset]
+    changed = {name: getattr(params, name) for name in _DEFAULTS}
+    options = [f"{name}={value!r}" for name, value in changed.items() if value != getattr(start, name)]
+    return f"{CODE[preset]}({', '.join(options)})"

@@ -1,0 +1,193 @@
+"""The settings without a browser: what they say, what they refuse, what has no effect."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+import shapes
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import scenewidget as sw
+from scenewidget.engine.pipeline import _key, stages
+from scenewidget.widget.controls import ParamsControls
+from scenewidget.widget.settings import (
+    PRESETS,
+    SETTINGS,
+    changes_from,
+    idle_reasons,
+    nearest_preset,
+    params_code,
+)
+
+NAMES = [setting.name for setting in SETTINGS]
+MESH, _ = shapes.room(8, noise=0.003)
+OTHER_VALUES = {
+    "n_segments": [5, "auto"],
+    "k_range": [None, (9, 14)],
+    "feature": ["normals", "cotangent", "hks"],
+    "items": ["superfacets", "simplified"],
+    "consensus": ["linkage", "median", "peac"],
+    "n_runs": [0, 3],
+    "merge": [False, True],
+}
+CHANGES = {  # another value for each option
+    "n_segments": 7, "k_range": (8, 12), "cost_exponent": 1.3, "cost_a": 1.2, "cost_b": -0.8,
+    "feature": "uniform", "items": "simplified", "n_items": 150, "simplifier": "qslim", "filter_sweeps": 5,
+    "bridge": 0.01, "n_slots": 32, "dihedral_order": "area", "laplacian": "robust", "n_eigenpairs": 12,
+    "feature_floor": 0.2, "hop": 0.3, "travel": 0.2, "convex_weights": (0.5,), "n_runs": 5,
+    "n_graph_runs": 4, "init": "outmost", "allocation": "faces", "merge": True, "merge_flatness": 0.02,
+    "merge_normal": 0.9, "merge_seam": 0.9, "consensus": "median", "linkage_similarity": 0.4,
+    "leftover": "argmax", "join_planes": False, "min_area": 0.3, "granularity": 9, "seed": 4,
+}  # fmt: skip
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*:UserWarning")
+
+
+@pytest.fixture
+def controls():
+    return ParamsControls()
+
+
+def test_every_option_has_an_input_with_a_sentence_on_what_it_does():
+    assert set(NAMES) == {field.name for field in dataclasses.fields(sw.Params)}
+    for setting in SETTINGS:
+        assert setting.tip.endswith((".", "^C."))
+        assert ". " not in setting.tip
+    json.dumps([setting.to_json() for setting in SETTINGS])
+
+
+combinations = st.fixed_dictionaries({name: st.sampled_from(values) for name, values in OTHER_VALUES.items()})
+
+
+@given(combinations)
+@settings(max_examples=60)
+def test_an_option_that_no_stage_looks_at_is_said_to_have_no_effect(options):
+    params = sw.Params(n_graph_runs=3, n_items=200, **options)
+    why = idle_reasons(params)
+    table = stages(params)
+    for name, value in CHANGES.items():
+        if name in OTHER_VALUES:
+            continue  # these decide on the others
+        changed = stages(params.replace(**{name: value}))
+        if _key(next(reversed(changed)), changed) == _key(next(reversed(table)), table):
+            assert name in why, (name, options)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"n_segments": "auto"},
+        {"n_runs": 0},
+        {"n_runs": 0, "consensus": "peac", "n_segments": "auto"},
+        {"consensus": "median", "k_range": (8, 14)},
+        {"consensus": "peac", "feature": "uniform"},
+        {"items": "simplified", "feature": "hks", "merge": True},
+    ],
+)
+def test_what_is_said_to_have_no_effect_has_none(options):
+    params = sw.Params(**{"n_segments": 5, "n_runs": 3, "n_graph_runs": 3, "n_items": 200} | options)
+    pipe = sw.Pipeline(MESH)
+    expected = pipe.run(params)
+    for name in idle_reasons(params):
+        result = pipe.run(params.replace(**{name: CHANGES[name]}))
+        np.testing.assert_array_equal(result.labels, expected.labels, name)
+        np.testing.assert_array_equal(result.confidence, expected.confidence, name)
+
+
+def test_a_value_that_can_not_be_is_refused_with_a_reason(controls):
+    before = controls.params
+    controls.set("n_items", 1)
+    assert "n_items must lie in 2" in controls.problems["n_items"]
+    assert controls.params is before
+    controls.set("n_runs", 0)
+    assert controls.problems == {}
+    controls.set("n_graph_runs", 0)
+    assert "an ensemble needs a member" in controls.problems["n_graph_runs"]
+    assert controls.params == before.replace(n_runs=0)
+
+
+def test_inputs_are_drawn_anew_after_every_answer(controls):
+    seen = controls.revision
+    controls.set("n_items", 1)
+    assert controls.revision > seen
+    seen = controls.revision
+    controls.set("n_items", controls.params.n_items)
+    assert controls.revision > seen
+
+
+def test_whole_numbers_and_pairs_come_from_the_browser_as_they_are_typed(controls):
+    controls._handle(None, {"kind": "set", "name": "n_runs", "value": 12.0}, [])
+    controls._handle(None, {"kind": "set", "name": "convex_weights", "value": [0.5, 1]}, [])
+    assert (controls.params.n_runs, controls.params.convex_weights) == (12, (0.5, 1.0))
+    controls._handle(None, {"kind": "set", "name": "n_runs", "value": 12.5}, [])
+    assert "whole number" in controls.problems["n_runs"]
+
+
+def test_another_s_takes_the_granularity_back(controls):
+    controls.offer_family([3, 90, 40])
+    controls.set("granularity", 30)
+    assert controls.params.granularity == 30
+    controls.set("cost_exponent", 1.5)
+    assert controls.params.granularity == 30
+    controls.set("n_segments", 20)
+    assert controls.params.granularity is None
+    controls.set("granularity", 40)  # what the result has by itself
+    assert controls.params.granularity is None
+
+
+def test_the_granularity_waits_for_a_result(controls):
+    assert "result" in controls.idle["granularity"]
+    controls.offer_family([3, 90, 40])
+    assert "granularity" not in controls.idle
+    controls.offer_family([7, 7, 7])
+    assert "no coarser or finer" in controls.idle["granularity"]
+
+
+def test_presets_keep_the_number_of_segments(controls):
+    controls.set("n_segments", 33)
+    controls.use_preset("Thesis")
+    assert controls.params == sw.Params.thesis(n_segments=33)
+    assert (controls.preset, controls.changed) == ("Thesis", [])
+    controls.set("cost_exponent", 2)
+    assert (controls.preset, controls.changed) == ("Thesis", ["cost_exponent"])
+    controls.use_preset("Thesis")
+    assert controls.changed == []
+    with pytest.raises(ValueError, match="name must be one of 'Default', 'Thesis', got 'None'"):
+        controls.use_preset("None")
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"n_segments": 12, "k_range": (8, 30)}, {"n_segments": "auto", "seed": 3, "cost_exponent": 1.75}],
+)
+def test_the_code_makes_the_parameters(preset, changes):
+    params = PRESETS[preset].replace(**changes)
+    assert eval(params_code(params), {"sw": sw}) == params
+    assert nearest_preset(params) == preset
+    assert set(changes_from(preset, params)) == set(changes) - {"n_segments", "seed"}
+
+
+def test_its_repr_is_the_code(controls):
+    controls.set("n_segments", 12)
+    assert repr(controls) == "ParamsControls(sw.Params(n_segments=12))"
+
+
+def test_movements_and_what_else_people_do_is_told(controls):
+    told = []
+    controls.connect(
+        on_move=lambda name, params: told.append((name, params.cost_exponent)),
+        on_leave=lambda: told.append("leave"),
+        on_rerun=lambda: told.append("rerun"),
+    )
+    before = controls.params
+    controls._handle(None, {"kind": "move", "name": "cost_exponent", "value": 1.5}, [])
+    controls._handle(None, {"kind": "move", "name": "cost_exponent", "value": -1}, [])
+    controls._handle(None, {"kind": "leave"}, [])
+    controls._handle(None, {"kind": "rerun"}, [])
+    controls._handle(None, {"kind": "set", "name": "cost_exponent", "value": before.cost_exponent}, [])
+    assert told == [("cost_exponent", 1.5), "leave", "rerun", "leave"]
+    assert controls.params is before
