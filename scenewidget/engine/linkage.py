@@ -35,8 +35,10 @@ def average_linkage(C: FloatArray, weights: FloatArray) -> FloatArray:
     if n == 1:
         return np.empty((0, 4))
     distances = 1.0 - np.asarray(C, dtype=np.float64)
+    # products that are symmetric on paper differ in the last bit, and the chains below would go in circles
+    distances = 0.5 * (distances + distances.T)
     area = np.maximum(np.asarray(weights, dtype=np.float64), 1e-12 * max(float(np.max(weights)), 1e-300))
-    left, right, height = _chain(distances.copy(), area.copy())
+    left, right, height = _chain(distances, area.copy())
     order = np.argsort(height, kind="stable")
     return _label(left[order], right[order], height[order])  # type: ignore[no-any-return]
 
@@ -110,6 +112,9 @@ def _chain(D, area):  # type: ignore[no-untyped-def]
             z = alive[i]
             if z != x and z != y:
                 d = (area[x] * D[x, z] + area[y] * D[y, z]) / total
+                # a mean lies between what it is of; where rounding puts it beside, the chain may come back
+                # to where it was, grow past its end and overwrite memory
+                d = min(max(d, min(D[x, z], D[y, z])), max(D[x, z], D[y, z]))
                 D[y, z] = d
                 D[z, y] = d
         area[y] = total
