@@ -25,7 +25,7 @@ from scenewidget.editing.partition import Change, Partition
 from scenewidget.editing.project import Operation, Project, ProjectError, read_log
 from scenewidget.editing.store import ProjectFile
 from scenewidget.editing.suggestions import Suggestion, SuggestionKey, suggest, suggestion_key
-from scenewidget.editing.vocabulary import NYU40, checked_vocabulary
+from scenewidget.editing.vocabulary import NYU40, chosen_vocabulary
 from scenewidget.engine.atoms import Atoms
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, MeshError, load_mesh
 from scenewidget.engine.params import Params
@@ -164,8 +164,8 @@ class Session:
         What the edits start from.
     params : Params, optional
         What it was made with; kept in the project file.
-    vocabulary : sequence of str
-        Names to choose from; those of NYU40 by default.
+    vocabulary : "nyu40", "scannet20", or sequence of str
+        Names to choose from.
 
     Raises
     ------
@@ -179,7 +179,7 @@ class Session:
         segmentation: Segmentation,
         *,
         params: Params | None = None,
-        vocabulary: Sequence[str] = NYU40,
+        vocabulary: str | Sequence[str] = NYU40,
     ) -> None:
         if not isinstance(segmentation, Segmentation):
             raise TypeError(
@@ -191,7 +191,7 @@ class Session:
         self.mesh: Mesh = load_mesh(mesh)
         self._source = self.mesh.source
         self._params = params
-        self._vocabulary = checked_vocabulary(vocabulary)
+        self._vocabulary = chosen_vocabulary(vocabulary)
         self._lock = threading.RLock()
         self._partition = Partition(_of_mesh(segmentation, self.mesh))
         self._done: list[tuple[Step, Change | None]] = []
@@ -457,8 +457,8 @@ class Session:
         return self._vocabulary
 
     @vocabulary.setter
-    def vocabulary(self, names: Sequence[str]) -> None:
-        checked = checked_vocabulary(names)
+    def vocabulary(self, names: str | Sequence[str]) -> None:
+        checked = chosen_vocabulary(names)
         with self._lock:
             self._vocabulary = checked
             self._log(Operation(time.time(), "vocabulary", names=checked))

@@ -6,11 +6,19 @@ CVPR; Dai et al. (2017), *ScanNet*, CVPR.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from scenewidget.editing.edits import checked_name
 
-__all__ = ["NYU40", "SCANNET20", "checked_vocabulary", "nyu_class", "nyu_id"]
+__all__ = [
+    "NYU40",
+    "SCANNET20",
+    "checked_vocabulary",
+    "chosen_vocabulary",
+    "nyu_class",
+    "nyu_id",
+    "quick_names",
+]
 
 NYU40 = (  # in the order of their ids, from 1
     "wall", "floor", "cabinet", "bed", "chair", "sofa", "table", "door", "window", "bookshelf",
@@ -66,3 +74,44 @@ def checked_vocabulary(names: Iterable[str]) -> tuple[str, ...]:
     if len(checked) > 10_000:
         raise ValueError(f"vocabulary has {len(checked)} names; at most 10000 can be kept")
     return checked
+
+
+def chosen_vocabulary(choice: str | Iterable[str]) -> tuple[str, ...]:
+    """Names to choose from: "nyu40", "scannet20", or a list of one's own.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Another word, not a sequence of names, or one that no segment can have.
+    """
+    if not isinstance(choice, str):
+        return checked_vocabulary(choice)
+    built_in = {"nyu40": NYU40, "scannet20": SCANNET20}
+    if choice.lower() not in built_in:
+        raise ValueError(f"vocabulary must be 'nyu40', 'scannet20' or a list of names, got {choice!r:.200}")
+    return built_in[choice.lower()]
+
+
+def quick_names(vocabulary: Sequence[str], used: Iterable[str], n: int = 7) -> tuple[str, ...]:
+    """The names that have keys of their own.
+
+    The first of the vocabulary at the beginning. A name that is used and has no key yet takes the key of the
+    one that was used longest ago, so that the others stay where the fingers know them.
+
+    Parameters
+    ----------
+    used : iterable of str
+        Names in the order in which they were given to segments.
+    """
+    slots = list(vocabulary[:n])
+    last = [-1 - i for i in range(len(slots))]  # of those never used, the last ones go first
+    for when, name in enumerate(used):
+        if name in slots:
+            last[slots.index(name)] = when
+        elif len(slots) < n:
+            slots.append(name)
+            last.append(when)
+        elif slots:
+            oldest = last.index(min(last))
+            slots[oldest], last[oldest] = name, when
+    return tuple(slots)

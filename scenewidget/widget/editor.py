@@ -7,11 +7,12 @@ costs a few ms, however many faces there are.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from scenewidget.editing.edits import EditError
-from scenewidget.editing.session import Event, Session
+from scenewidget.editing.edits import Edit, EditError, Relabel
+from scenewidget.editing.session import Event, Session, Step
+from scenewidget.editing.vocabulary import NYU40, quick_names
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.widget.keeper import Keeper
@@ -19,8 +20,8 @@ from scenewidget.widget.scene_view import SceneView
 
 __all__ = ["Editor"]
 
-EDITS = ("merge", "split", "relabel")
-KINDS = (*EDITS, "undo", "redo")
+KINDS = ("merge", "split", "relabel", "cut", "undo", "redo", "go_to")
+MOST_STEPS = 300  # that are listed, of those done and of those undone
 
 
 class Editor:
@@ -41,12 +42,15 @@ class Editor:
     ----------
     session : Session or None
         None before the first segmentation.
+    vocabulary : tuple of str or None
+        Names to choose from, whatever a restored session says; None = the session's.
     """
 
     def __init__(
         self, view: SceneView, lock: threading.RLock, keeper: Keeper, on_change: Callable[[], None]
     ) -> None:
         self.session: Session | None = None
+        self.vocabulary: tuple[str, ...] | None = None
         self._stop_watching: Callable[[], None] = lambda: None
         self._keeper = keeper
         self._view = view
@@ -56,16 +60,20 @@ class Editor:
         self._shown_automatic: Segmentation | None = None
         self._shown_revision = -1  # of the session
         self._first_revision = 0  # of the view, since the present automatic segmentation is shown
+        view.observe(self._show_history, "history_shown")
 
     def take(self, segmentation: Segmentation, params: Params) -> int:
         """Put another automatic segmentation underneath; how many edits don't apply to it."""
         if self.session is not None:
             return len(self.session.resegment(segmentation, params))
-        self.adopt(Session(self._view.mesh, segmentation, params=params))
+        vocabulary = NYU40 if self.vocabulary is None else self.vocabulary
+        self.adopt(Session(self._view.mesh, segmentation, params=params, vocabulary=vocabulary))
         return 0
 
     def adopt(self, session: Session) -> None:
         """Go on with a session made elsewhere; the one before is let go, with its file."""
+        if self.vocabulary is not None and session.vocabulary != self.vocabulary:
+            session.vocabulary = self.vocabulary
         self._stop_watching()
         if self.session is not None:
             self.session.close()
@@ -112,6 +120,8 @@ class Editor:
             session.undo()
         elif kind == "redo":
             session.redo()
+        elif kind == "go_to":
+            session.go_to(message["n"])
         elif message["revision"] < self._first_revision:
             # it names faces of parts that are no longer there
             self.remark("Another segmentation had just come: nothing was edited")
@@ -119,6 +129,8 @@ class Editor:
             session.merge(message["face"], message["onto_face"], message["level"])
         elif kind == "split":
             session.split(message["face"], message["level"])
+        elif kind == "cut":
+            session.cut(message["face_a"], message["face_b"])
         else:
             session.relabel(message["face"], message["name"])
 
@@ -163,7 +175,13 @@ class Editor:
                     self._first_revision = view.revision
                 view.undo_title = history[-1].title if history else ""
                 view.redo_title = undone[0].title if undone else ""
-                view.vocabulary = list(session.vocabulary)
+                used = [
+                    step.edit.name for step in history if isinstance(step.edit, Relabel) and step.edit.name
+                ]
+                latest = dict.fromkeys(reversed(used))
+                view.vocabulary = list(latest | dict.fromkeys(session.vocabulary))
+                view.quick_names = list(quick_names(session.vocabulary, used))
+                self._list_steps(history, undone)
             if event.step is not None:
                 done = {"undo": "Undone: ", "redo": "Redone: "}.get(event.kind)
                 self.remark(f"{done}{event.step.title}" if done else "")
@@ -171,3 +189,26 @@ class Editor:
                 view.answer(message)
         self._keeper.note(session, event, is_gesture=message is not None)
         self._on_change()
+
+    def _show_history(self, _: Any) -> None:
+        session = self.session
+        if session is not None:
+            history, undone = session.history, session.undone
+            with self._lock, self._view.hold_sync():
+                self._list_steps(history, undone)
+
+    def _list_steps(self, history: Sequence[Step], undone: Sequence[Edit]) -> None:
+        """The steps around the present one, if somebody looks at them."""
+        if not self._view.history_shown:
+            return
+        n = len(history)
+        first = max(0, n - MOST_STEPS)
+        rows = [
+            {"n": first + i + 1, "title": step.title, "time": step.time, "problem": step.problem}
+            for i, step in enumerate(history[first:])
+        ]
+        rows += [
+            {"n": n + i + 1, "title": edit.title, "time": 0.0, "problem": ""}
+            for i, edit in enumerate(undone[:MOST_STEPS])
+        ]
+        self._view.history, self._view.n_done = rows, n

@@ -35,6 +35,14 @@ State, synced both ways (observe or set any of them)
     must `answer` the messages below.
 ``vocabulary`` : list of str
     Names to choose from when a segment is named.
+``quick_names`` : list of str
+    Names that the keys 4 to 9 and 0 give at once.
+``history_shown`` : bool
+    Whether the steps are listed; whoever sets ``editable`` then keeps the next two up to date.
+``history`` : list of {"n": int, "title": str, "time": float, "problem": str}
+    Steps, oldest first, undone ones last; ``n`` edits are done after it; why it doesn't apply.
+``n_done`` : int
+    How many edits are done.
 ``undo_title``, ``redo_title`` : str
     Name of the step that Undo and Redo would take; ``""`` = there is none.
 ``camera_group`` : str
@@ -73,9 +81,13 @@ Only in ``mode="edit"``; faces are those of the mesh as given, ``level`` a name 
 ``revision`` the number of the partition that the person was looking at (``view.revision``):
 
 ``{"kind": "merge", "face": 12, "onto_face": 40, "level": "final", "revision": 3}``
+    ``face`` is a list where a brush has gathered several parts.
 ``{"kind": "split", "face": 12, "level": "final", "revision": 3}``
+``{"kind": "cut", "face_a": 12, "face_b": 40, "revision": 3}``
+    Divide the segment under both; shown only once `set_atoms` or `set_segments` brings it.
 ``{"kind": "relabel", "face": 12, "name": "chair", "revision": 3}``
-``{"kind": "undo"}``, ``{"kind": "redo"}``
+``{"kind": "undo"}``, ``{"kind": "redo"}``, ``{"kind": "go_to", "n": 5}``
+    The last one: undo or redo until so many edits are done.
 
 Not counted as edits, and possible in either mode:
 
@@ -92,6 +104,7 @@ doing so, on top of whatever segments come, until `answer` says that the message
 from __future__ import annotations
 
 import math
+import secrets
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -168,6 +181,10 @@ class SceneView(anywidget.AnyWidget):
     save_state = traitlets.Enum(SAVE_STATES, "").tag(sync=True)
     save_note = traitlets.Unicode().tag(sync=True)
     notices = traitlets.List(traitlets.Dict()).tag(sync=True)
+    quick_names = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    history_shown = traitlets.Bool(False).tag(sync=True)
+    history = traitlets.List(traitlets.Dict()).tag(sync=True)
+    n_done = traitlets.Int(0).tag(sync=True)
 
     levels = traitlets.List(traitlets.Unicode(), read_only=True).tag(sync=True)
     n_segments = traitlets.Int(0, read_only=True).tag(sync=True)
@@ -179,6 +196,7 @@ class SceneView(anywidget.AnyWidget):
     _camera = traitlets.Dict().tag(sync=True)  # as it last stood still on any page
     _channel = traitlets.Unicode().tag(sync=True)  # on which controls speak to it
     _is_preview = traitlets.Bool(False).tag(sync=True)
+    _token = traitlets.Unicode().tag(sync=True)  # tells models apart, for views of one on a page
     _answers = traitlets.Dict().tag(sync=True)  # number of the last message dealt with, by client
 
     # arrays; _headers says dtype and shape of each
@@ -227,6 +245,7 @@ class SceneView(anywidget.AnyWidget):
             _esm=bundled("scene_view.js"),
             _css=bundled("scene_view.css"),
             _up=_up_vector(up, mesh),
+            _token=secrets.token_hex(8),
             _headers={name: _header(array) for name, array in arrays.items()},
             **{f"_{name}": array.tobytes() for name, array in arrays.items()},
             **options,

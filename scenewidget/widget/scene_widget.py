@@ -11,7 +11,7 @@ import secrets
 import threading
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ import ipywidgets as widgets
 import traitlets
 
 from scenewidget.editing.session import Session
+from scenewidget.editing.vocabulary import chosen_vocabulary
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
@@ -78,6 +79,9 @@ class SceneWidget(widgets.VBox):
         after the scan, such as ``bedroom-1f3a9c02.swproj``; from then on every edit, a script's too, is
         on disk before the widget says "Saved". A path names the file, and begins with a script's first edit
         as well; False waits for `save`. What a file holds already is offered when the widget is shown again.
+    vocabulary : "nyu40", "scannet20" or list of str, optional
+        Names to choose from when a segment is named; any other name can be typed. The first seven are given
+        by the keys 4 to 9 and 0, until others are used. NYU40 by default, or what a restored session has.
 
     Attributes
     ----------
@@ -112,6 +116,7 @@ class SceneWidget(widgets.VBox):
         *,
         height: int = 560,
         autosave: bool | str | os.PathLike[str] = True,
+        vocabulary: str | Sequence[str] | None = None,
     ) -> None:
         if params is not None and not isinstance(params, Params):
             raise TypeError(f"params must be a Params, got {type(params).__name__}")
@@ -125,6 +130,7 @@ class SceneWidget(widgets.VBox):
         self._is_observed = False
         self._keeper = Keeper(self.view, self._lock, autosave, self.restore)
         self._editor = Editor(self.view, self._lock, self._keeper, self._take_edit)
+        self._editor.vocabulary = None if vocabulary is None else chosen_vocabulary(vocabulary)
         self._is_restoring = False
         self._error: BaseException | None = None
         self._shown_params: Params | None = None

@@ -3,7 +3,15 @@
 import pytest
 
 import scenewidget as sw
-from scenewidget.editing.vocabulary import NYU40, SCANNET20, checked_vocabulary, nyu_class, nyu_id
+from scenewidget.editing.vocabulary import (
+    NYU40,
+    SCANNET20,
+    checked_vocabulary,
+    chosen_vocabulary,
+    nyu_class,
+    nyu_id,
+    quick_names,
+)
 
 
 def test_the_lists_have_their_known_ids():
@@ -32,3 +40,21 @@ def test_own_lists_are_checked():
     for wrong in (["a", ""], ["x" * 201], map(str, range(10_001))):
         with pytest.raises(ValueError, match="name"):
             checked_vocabulary(wrong)
+
+
+def test_a_vocabulary_is_chosen_by_name_or_given():
+    assert chosen_vocabulary("nyu40") is NYU40
+    assert chosen_vocabulary("ScanNet20") is SCANNET20
+    assert chosen_vocabulary(["lid", "box"]) == ("lid", "box")
+    with pytest.raises(ValueError, match="must be 'nyu40', 'scannet20' or a list of names, got 'coco'"):
+        chosen_vocabulary("coco")
+
+
+def test_names_keep_their_keys_until_others_are_used_more_recently():
+    assert quick_names(NYU40, []) == NYU40[:7]
+    assert quick_names(NYU40, ["lamp"]) == (*NYU40[:6], "lamp")
+    assert quick_names(NYU40, ["lamp", "wall", "box"]) == (*NYU40[:5], "box", "lamp")
+    names = quick_names(NYU40, [*NYU40[:7], "lamp", "wall"])  # wall is gone: it was used longest ago
+    assert names == ("lamp", "wall", *NYU40[2:7])
+    assert quick_names(["a"], ["b", "a", "c"], n=2) == ("a", "c")
+    assert quick_names([], ["x"]) == ("x",)

@@ -98,3 +98,73 @@ def test_labels_per_face_are_made_only_when_somebody_wants_them(mesh, monkeypatc
     assert [seg.n_segments for seg in told] == [before.n_segments - 2]
     assert made == [1, 1]
     widget.close()
+
+
+def send(editor, kind, **message):
+    editor.handle({"kind": kind, "revision": editor._view.revision, "level": "final", **message})
+
+
+def test_the_history_is_listed_while_it_is_shown_and_can_be_walked(editor):
+    view, session = editor._view, editor.session
+    faces = [int(np.argmax(session.segmentation.labels == segment)) for segment in range(3)]
+    send(editor, "merge", face=faces[1], onto_face=faces[0])
+    assert view.history == []
+    view.history_shown = True
+    send(editor, "merge", face=[faces[2], faces[0]], onto_face=faces[1])
+    send(editor, "relabel", face=faces[0], name="chair")
+    assert [(row["n"], row["title"]) for row in view.history] == [
+        (1, "Merge"), (2, "Merge 2 parts"), (3, "Name 'chair'"),
+    ]  # fmt: skip
+    assert all(row["time"] > 1e9 and row["problem"] == "" for row in view.history)
+    labels = session.segmentation.labels
+    send(editor, "go_to", n=1)
+    assert (view.n_done, len(session.edits), view.redo_title) == (1, 1, "Merge 2 parts")
+    assert [row["n"] for row in view.history] == [1, 2, 3]
+    send(editor, "go_to", n=3)
+    np.testing.assert_array_equal(session.segmentation.labels, labels)
+    with pytest.raises(ValueError, match="n_edits must lie in"):
+        send(editor, "go_to", n=9)
+    assert "n_edits" in view.error
+
+
+def test_steps_that_no_longer_apply_are_listed_with_the_reason(editor, mesh):
+    view = editor._view
+    view.history_shown = True
+    labels = editor.session.segmentation.labels
+    send(editor, "merge", face=int(np.argmax(labels == 1)), onto_face=int(np.argmax(labels == 0)))
+    editor.take(sw.Segmentation.from_labels(mesh, np.zeros(mesh.n_faces, int)), SMALL)
+    assert "in one segment already" in view.history[0]["problem"]
+
+
+def test_a_cut_divides_what_is_under_both_points(editor, mesh):
+    labels = editor.session.segmentation.labels
+    a, b = (int(face) for face in np.flatnonzero(labels == 0)[[0, -1]])
+    n = editor._view.n_segments
+    send(editor, "cut", face_a=a, face_b=b)
+    assert editor._view.n_segments == n + 1
+    assert editor._view.undo_title == "Cut"
+
+
+def test_names_used_last_come_first_and_keys_stay(editor):
+    view = editor._view
+    assert view.quick_names == list(editor.session.vocabulary[:7])
+    for name in ("lamp", "my own"):
+        send(editor, "relabel", face=0, name=name)
+    assert view.vocabulary[:3] == ["my own", "lamp", "wall"]
+    assert view.quick_names == [*editor.session.vocabulary[:5], "my own", "lamp"]
+    assert view.vocabulary.count("lamp") == 1
+
+
+def test_a_vocabulary_given_is_that_of_a_restored_session_too(mesh):
+    first = sw.SceneWidget(mesh, SMALL, autosave=False)
+    first.wait(60)
+    path = first.save("a.swproj")
+    first.session.close()
+    second = sw.SceneWidget(mesh, SMALL, vocabulary=["lid", "box"])
+    second.wait(60)
+    assert second.view.vocabulary == ["lid", "box"]
+    second.restore(path)
+    assert second.session.vocabulary == ("lid", "box")
+    with pytest.raises(ValueError, match="'nyu40', 'scannet20' or a list"):
+        sw.SceneWidget(mesh, SMALL, vocabulary="coco")
+    second.session.close()

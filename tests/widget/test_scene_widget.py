@@ -194,7 +194,7 @@ def test_a_name_given_in_the_picture_is_that_of_the_segment(widget):
     gesture(widget, kind="merge", face=second, onto_face=first, level="final")
     assert widget.segmentation.names[widget.segmentation.labels[first]] == "<b>sofa</b>"
     widget.session.vocabulary = ["box", "lid"]
-    assert widget.view.vocabulary == ["box", "lid"]
+    assert widget.view.vocabulary == ["<b>sofa</b>", "box", "lid"]  # what was used comes first
 
 
 def test_gestures_may_follow_each_other_faster_than_the_picture(widget):

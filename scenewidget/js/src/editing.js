@@ -47,10 +47,29 @@ export function createEditing({ model, view, panel, labelling }, { onEdit, onHid
     else queue({ kind }, {});
   }
 
+  /** Undo or redo until so many edits are done. @param {number} n */
+  function goTo(n) {
+    if (labelling.isPreview) panel.remark(PREVIEW);
+    else queue({ kind: "go_to", n }, {});
+  }
+
+  /** Give the segment under a face one of the names that have keys. @param {number} face @param {string} given */
+  function nameQuickly(face, given) {
+    const segment = view.segmentOf(face);
+    if (segment === NONE) panel.remark("This surface is unlabelled: there is no segment to name");
+    else edit({ kind: "relabel", face, name: given });
+  }
+
   /** @param {import("./editor.js").Operation} operation @param {object} details */
   function queue(operation, details) {
     panel.remark("");
-    model.send({ ...operation, ...details, ...labelling.pending.add(operation) });
+    const answer = labelling.pending.add(operation);
+    try {
+      model.send({ ...operation, ...details, ...answer });
+    } catch {
+      labelling.pending.forget();
+      panel.remark("The kernel is gone: nothing was edited. Run the cell again");
+    }
     onEdit();
   }
 
@@ -101,5 +120,5 @@ export function createEditing({ model, view, panel, labelling }, { onEdit, onHid
     onHide();
   }
 
-  return { edit, walk, act, hide };
+  return { edit, walk, goTo, nameQuickly, act, hide };
 }

@@ -8,12 +8,13 @@
 import { NONE } from "./partition.js";
 
 /**
- * @typedef {{ kind: "merge", face: number, onto_face: number, level: string }
+ * @typedef {{ kind: "merge", face: number | number[], onto_face: number, level: string }
  *   | { kind: "split", face: number, level: string }
+ *   | { kind: "cut", face_a: number, face_b: number }
  *   | { kind: "relabel", face: number, name: string }} Edit
  */
 
-/** @typedef {Edit | { kind: "undo" | "redo" }} Operation */
+/** @typedef {Edit | { kind: "undo" | "redo" } | { kind: "go_to", n: number }} Operation */
 
 /**
  * @typedef {object} Ground  what edits don't change
@@ -26,7 +27,7 @@ import { NONE } from "./partition.js";
 /** The level whose parts, to a merge, are the segments as they are now. */
 export const FINAL = "final";
 
-const TITLES = { merge: "Merge", split: "Split", relabel: "Name" };
+const TITLES = { merge: "Merge", split: "Split", relabel: "Name", cut: "Cut" };
 
 /**
  * The labels after an edit, or why it can't be done.
@@ -36,7 +37,9 @@ const TITLES = { merge: "Merge", split: "Split", relabel: "Name" };
  * @returns {Labels | string}
  */
 export function foresee(ground, labels, edit) {
-  const home = labels.atomSegment[ground.faceAtom[edit.face]];
+  if (edit.kind === "cut") return beforeCut(ground, labels, edit);
+  const first = Array.isArray(edit.face) ? edit.face[0] : edit.face;
+  const home = labels.atomSegment[ground.faceAtom[first]];
   if (edit.kind === "relabel") {
     if (home === NONE) return "This surface is unlabelled: there is no segment to name";
     if ((labels.names[home] ?? "") === edit.name) return "The segment has this name already";
@@ -67,6 +70,19 @@ export function canMerge(ground, labels, edit) {
   return moves !== null && target !== NONE && joins(labels, moves, target);
 }
 
+/**
+ * Python alone knows where a cut goes: until it answers, everything stays as it is.
+ * @param {Ground} ground
+ * @param {Labels} labels
+ * @param {Extract<Edit, { kind: "cut" }>} edit
+ * @returns {Labels | string}
+ */
+function beforeCut({ faceAtom }, labels, { face_a, face_b }) {
+  const [a, b] = [labels.atomSegment[faceAtom[face_a]], labels.atomSegment[faceAtom[face_b]]];
+  if (a === NONE || b === NONE) return "This surface is unlabelled: there is no segment to cut";
+  return a === b ? { ...labels } : "A cut needs two points of the same segment";
+}
+
 /** @param {Labels} labels @param {(atom: number) => boolean} moves @param {number} target */
 function joins({ atomSegment }, moves, target) {
   return atomSegment.some((segment, atom) => segment !== target && moves(atom));
@@ -94,10 +110,10 @@ export function replay(ground, labels, operations) {
       const step = undone.pop();
       if (step) done.push(step);
       else depth = Math.max(0, depth - 1);
-    } else {
+    } else if (operation.kind !== "go_to") {
       const next = foresee(ground, done[done.length - 1].labels, /** @type {Edit} */ (operation));
       if (typeof next === "string") continue;
-      done.push({ labels: next, title: TITLES[operation.kind] });
+      done.push({ labels: next, title: titleOf(/** @type {Edit} */ (operation)) });
       undone.length = 0;
       isFork = true;
     }
@@ -111,6 +127,12 @@ export function replay(ground, labels, operations) {
   };
 }
 
+/** @param {Edit} edit */
+function titleOf(edit) {
+  const n = edit.kind === "merge" && Array.isArray(edit.face) ? edit.face.length : 1;
+  return n > 1 ? `Merge ${n} parts` : TITLES[edit.kind];
+}
+
 /** Said of redo after a new edit: there is nothing to redo any more. */
 export const NOTHING = "\0";
 
@@ -118,10 +140,24 @@ export const NOTHING = "\0";
  * Whether an atom would be moved by an edit; null if the face belongs to no part.
  * @param {Ground} ground
  * @param {Labels} labels
- * @param {Exclude<Edit, { kind: "relabel" }>} edit
+ * @param {Extract<Edit, { kind: "merge" | "split" }>} edit
  * @returns {((atom: number) => boolean) | null}
  */
-function movedAtoms({ faceAtom, parts }, { atomSegment }, { kind, face, level }) {
+function movedAtoms(ground, labels, edit) {
+  if (!Array.isArray(edit.face)) return movedByOne(ground, labels, { ...edit, face: edit.face });
+  const column = edit.level === FINAL ? labels.atomSegment : ground.parts[edit.level];
+  const moved = new Set(edit.face.map((face) => column?.[ground.faceAtom[face]] ?? NONE));
+  moved.delete(NONE); // those that belong to no part are passed over
+  return moved.size === 0 ? null : (i) => moved.has(column[i]);
+}
+
+/**
+ * @param {Ground} ground
+ * @param {Labels} labels
+ * @param {{ kind: "merge" | "split", face: number, level: string }} edit
+ * @returns {((atom: number) => boolean) | null}
+ */
+function movedByOne({ faceAtom, parts }, { atomSegment }, { kind, face, level }) {
   const atom = faceAtom[face];
   const atomPart = parts[level];
   const [part, home] = [atomPart?.[atom] ?? NONE, atomSegment[atom]];
@@ -162,8 +198,10 @@ export class Pending {
   constructor(client) {
     this.client = client;
     this.last = 0;
-    /** @type {Array<{ number: number, operation: Operation }>} */
+    /** @type {Array<{ number: number, operation: Operation, since: number }>} */
     this.waiting = [];
+    /** Called when operations have come or gone, by every view of the page. @type {Set<() => void>} */
+    this.watchers = new Set();
   }
 
   /** @returns {Operation[]} */
@@ -176,7 +214,8 @@ export class Pending {
    * @param {Operation} operation
    */
   add(operation) {
-    this.waiting.push({ number: ++this.last, operation });
+    this.waiting.push({ number: ++this.last, operation, since: Date.now() });
+    for (const watcher of this.watchers) watcher();
     return { client: this.client, number: this.last };
   }
 
@@ -188,4 +227,35 @@ export class Pending {
     const through = answers?.[this.client] ?? 0;
     this.waiting = this.waiting.filter(({ number }) => number > through);
   }
+
+  /** Show them no longer; Python may still do them. */
+  forget() {
+    this.waiting = [];
+    for (const watcher of this.watchers) watcher();
+  }
+
+  /** Milliseconds since the oldest one was sent; 0 if there is none. */
+  get age() {
+    return this.waiting.length > 0 ? Date.now() - this.waiting[0].since : 0;
+  }
+}
+
+/** @returns {Map<string, Pending>} */
+function registry() {
+  const page = /** @type {any} */ (globalThis);
+  const key = Symbol.for("scenewidget.pending");
+  page[key] ??= new Map();
+  return page[key];
+}
+
+/**
+ * The operations of one model, shared by all its views on a page: each shows what the others have sent.
+ * @param {string} token  of the model; "" = shares with none
+ */
+export function pendingOf(token) {
+  const known = registry().get(token);
+  if (token && known) return known;
+  const pending = new Pending(Math.random().toString(36).slice(2, 10));
+  if (token) registry().set(token, pending);
+  return pending;
 }

@@ -1,66 +1,90 @@
 /**
  * What pointer movements mean: a state machine without a page.
  *
- * `step(gesture, event, mode)` gives the next gesture and the actions to take. In "navigate" a left drag
- * orbits; in "edit" it merges the part it starts on with the part it ends on, and orbits if it starts on
- * the background or with Shift. A right drag pans in both; a right click splits in "edit".
+ * `step(gesture, event, mode, tool)` gives the next gesture and the actions to take. In "navigate" a left drag
+ * orbits; in "edit" it uses the tool, and orbits if it starts on the background or with Shift. A right drag
+ * pans in both; a right click splits in "edit".
+ *
+ * Tools: "merge" puts the part that a drag starts on onto the part it ends on; "brush" puts all parts that it
+ * passes over onto the one it starts on; "cut" divides the segment between the ends. Instead of a drag, the
+ * ends can be clicked one after the other.
  */
 
 /** Pixels of travel up to which a press and release is a click. */
 export const CLICK_TRAVEL = 4;
 
+/** Parts that one stroke gathers. */
+const MOST_GATHERED = 5000;
+
 /** @typedef {"navigate" | "edit"} Mode */
+/** @typedef {"merge" | "brush" | "cut"} Tool */
 /** @typedef {{ face: number, part: number, segment: number }} Hit */
 /** @typedef {{ x: number, y: number }} Place */
 
 /**
  * @typedef {object} PointerEventLike
- * @property {"down" | "move" | "up" | "cancel" | "choose"} type  choose: what a click does, by key
+ * @property {"down" | "move" | "up" | "cancel" | "choose" | "finish"} type  choose: what a click does, by
+ *   key; finish: merge what the brush has gathered
  * @property {number} id
  * @property {number} x
  * @property {number} y
  * @property {number} [button]  0 left, 1 middle, 2 right
  * @property {boolean} [shift]
+ * @property {boolean} [brush]  a key is held that makes any tool a brush
  * @property {boolean} [isTouch]
+ * @property {boolean} [isOutside]  the pointer has left the picture
  * @property {Hit | null} [hit]  what lies under the pointer; null outside the picture and on the background
  */
 
 /**
  * @typedef {object} Gesture
- * @property {"idle" | "orbit" | "pan" | "pinch" | "press" | "link" | "aside"} phase  press, link: left button
- *   on a part before and after leaving its place; aside: right button before it moves
+ * @property {"idle" | "orbit" | "pan" | "pinch" | "press" | "link" | "aside" | "dab" | "brush"} phase  press, link:
+ *   left button on a part before and after leaving its place; dab, brush: the same with the brush; aside: right
+ *   button before it moves
  * @property {Record<number, Place>} pointers  those that are down, where they were last
  * @property {Place} start
  * @property {Hit | null} from  part that the press began on
  * @property {Hit | null} picked  part that a click has picked; the next click merges it
+ * @property {Stroke | null} stroke  what the brush has gathered so far
  */
+
+/** @typedef {{ onto: Hit, gathered: Hit[] }} Stroke */
 
 /**
  * @typedef {{ kind: "orbit" | "pan", dx: number, dy: number }
  *   | { kind: "zoom", factor: number, x: number, y: number }
  *   | { kind: "click" | "split", face: number }
- *   | { kind: "merge", face: number, onto: number }} Action
+ *   | { kind: "merge", face: number | number[], onto: number }
+ *   | { kind: "cut", face: number, onto: number }} Action
  */
 
 /** @type {Gesture} */
-export const IDLE = { phase: "idle", pointers: {}, start: { x: 0, y: 0 }, from: null, picked: null };
+export const IDLE = {
+  ...{ phase: /** @type {"idle"} */ ("idle"), pointers: {}, start: { x: 0, y: 0 } },
+  ...{ from: null, picked: null, stroke: null },
+};
 
 /**
  * @param {Gesture} gesture
  * @param {PointerEventLike} event
  * @param {Mode} mode
+ * @param {Tool} [tool]
  * @returns {[Gesture, Action[]]}
  */
-export function step(gesture, event, mode) {
+export function step(gesture, event, mode, tool = "merge") {
   switch (event.type) {
     case "down":
-      return [press(gesture, event, mode), []];
+      return [press(gesture, event, mode, tool), []];
     case "move":
       return move(gesture, event);
     case "up":
-      return release(gesture, event);
+      return release(gesture, event, tool);
     case "choose":
-      return gesture.phase === "idle" && event.hit ? choose(gesture, event.hit) : [gesture, []];
+      if (gesture.phase !== "idle" || !event.hit) return [gesture, []];
+      if (tool !== "brush") return choose(gesture, event.hit, tool);
+      return [{ ...IDLE, stroke: gather(gesture.stroke, event.hit) }, []];
+    case "finish":
+      return gesture.phase === "idle" ? [IDLE, merged(gesture.stroke)] : [gesture, []];
     default:
       return [IDLE, []];
   }
@@ -70,9 +94,10 @@ export function step(gesture, event, mode) {
  * @param {Gesture} gesture
  * @param {PointerEventLike} event
  * @param {Mode} mode
+ * @param {Tool} tool
  * @returns {Gesture}
  */
-function press(gesture, event, mode) {
+function press(gesture, event, mode, tool) {
   const place = { x: event.x, y: event.y };
   const pointers = { ...gesture.pointers, [event.id]: place };
   const next = { ...gesture, pointers, start: place, from: event.hit ?? null };
@@ -81,7 +106,9 @@ function press(gesture, event, mode) {
   const isEdit = mode === "edit" && event.hit;
   if (event.button === 2) return { ...next, phase: isEdit ? "aside" : "pan" };
   if (event.button === 1) return { ...next, phase: "pan" };
-  if (isEdit) return { ...next, phase: event.shift ? "orbit" : "press" };
+  if (isEdit && event.hit && !event.shift && (tool === "brush" || event.brush))
+    return { ...next, phase: "dab", picked: null, stroke: gather(gesture.stroke, event.hit) };
+  if (isEdit) return { ...next, stroke: null, phase: event.shift ? "orbit" : "press" };
   return { ...next, phase: event.shift && mode === "navigate" ? "pan" : "orbit" };
 }
 
@@ -104,6 +131,16 @@ function move(gesture, event) {
       return [next, pinch(gesture.pointers, next.pointers)];
     case "press":
       return [hasLeft ? { ...next, phase: "link", picked: null } : next, []];
+    case "dab":
+    case "brush":
+      return [
+        {
+          ...next,
+          phase: hasLeft ? "brush" : gesture.phase,
+          stroke: event.hit ? gather(gesture.stroke, event.hit) : gesture.stroke,
+        },
+        [],
+      ];
     case "aside":
       if (!hasLeft) return [next, []];
       return [
@@ -118,22 +155,23 @@ function move(gesture, event) {
 /**
  * @param {Gesture} gesture
  * @param {PointerEventLike} event
+ * @param {Tool} tool
  * @returns {[Gesture, Action[]]}
  */
-function release(gesture, event) {
+function release(gesture, event, tool) {
   if (!gesture.pointers[event.id]) return [gesture, []];
   const { [event.id]: _, ...pointers } = gesture.pointers;
   if (Object.keys(pointers).length > 0) {
     return [{ ...gesture, pointers, phase: gesture.phase === "pinch" ? "orbit" : gesture.phase }, []];
   }
-  const rest = { ...IDLE, picked: gesture.picked };
+  const rest = { ...IDLE, picked: gesture.picked, stroke: gesture.stroke };
   const { phase, from } = gesture;
   const to = event.hit ?? null;
   if (phase === "link" && from) {
-    const isEdit = to && !isSame(to, from);
-    return [IDLE, isEdit ? [{ kind: "merge", face: from.face, onto: to.face }] : []];
+    return [IDLE, to ? joined(from, to, tool) : []];
   }
-  if (phase === "press" && from) return choose(gesture, from);
+  if (phase === "press" && from) return choose(gesture, from, tool);
+  if (phase === "brush") return [IDLE, event.isOutside ? [] : merged(gesture.stroke)];
   if (phase === "aside" && from) return [IDLE, [{ kind: "split", face: from.face }]];
   if (phase === "orbit" && travel(gesture.start, event) < CLICK_TRAVEL) {
     return [IDLE, from ? [{ kind: "click", face: from.face }] : []];
@@ -145,11 +183,44 @@ function release(gesture, event) {
  * The first part chosen is picked, the second one is what it merges with; the same one again lets go.
  * @param {Gesture} gesture
  * @param {Hit} hit
+ * @param {Tool} tool
  * @returns {[Gesture, Action[]]}
  */
-function choose({ picked }, hit) {
+function choose({ picked }, hit, tool) {
   if (!picked) return [{ ...IDLE, picked: hit }, [{ kind: "click", face: hit.face }]];
-  return [IDLE, isSame(picked, hit) ? [] : [{ kind: "merge", face: picked.face, onto: hit.face }]];
+  return [IDLE, joined(picked, hit, tool)];
+}
+
+/**
+ * What becomes of two ends.
+ * @param {Hit} from
+ * @param {Hit} to
+ * @param {Tool} tool
+ * @returns {Action[]}
+ */
+function joined(from, to, tool) {
+  const ends = { face: from.face, onto: to.face };
+  if (tool === "cut") return from.face === to.face ? [] : [{ kind: "cut", ...ends }];
+  return isSame(from, to) ? [] : [{ kind: "merge", ...ends }];
+}
+
+/**
+ * A stroke with one more part, the first one being what the others are put onto.
+ * @param {Stroke | null} stroke
+ * @param {Hit} hit
+ * @returns {Stroke}
+ */
+function gather(stroke, hit) {
+  if (!stroke) return { onto: hit, gathered: [] };
+  const isKnown = isSame(stroke.onto, hit) || stroke.gathered.some((known) => isSame(known, hit));
+  if (isKnown || stroke.gathered.length >= MOST_GATHERED) return stroke;
+  return { ...stroke, gathered: [...stroke.gathered, hit] };
+}
+
+/** @param {Stroke | null} stroke @returns {Action[]} */
+function merged(stroke) {
+  if (!stroke || stroke.gathered.length === 0) return [];
+  return [{ kind: "merge", face: stroke.gathered.map(({ face }) => face), onto: stroke.onto.face }];
 }
 
 /** @param {Hit} a @param {Hit} b */

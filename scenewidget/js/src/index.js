@@ -1,5 +1,6 @@
 /** Connects the model that Python holds with a view of it on the page. */
 
+import { counted } from "./description.js";
 import { createEditing } from "./editing.js";
 import { listenToKeys } from "./keyboard.js";
 import { Labelling } from "./labelling.js";
@@ -24,6 +25,8 @@ const PREVIEW = [
   ...["face_piece", "family_merges", "family_colors"],
 ];
 
+const LOST_MS = 8000; // an answer that takes longer may never come
+
 /** Pieces of state, by what is taken when they change. */
 const GROUPS = {
   geometry: arrays(GEOMETRY),
@@ -42,7 +45,7 @@ const GROUPS = {
       "redo_title",
       "values_legend",
     ],
-    ...["save_state", "save_note", "notices"],
+    ...["save_state", "save_note", "notices", "quick_names", "history_shown", "history", "n_done"],
   ],
 };
 
@@ -73,10 +76,14 @@ function render({ model, el }) {
       if (picked) editing.act(what, picked.face, picked.place);
     },
     letGo: () => pointing.letGo(),
+    setTool: (tool) => pointing.setTool(tool),
+    finish: () => pointing.finish(),
     showAll: () => editing.hide(null),
     save: () => model.send({ kind: "save" }),
+    goTo: (n) => editing.goTo(n),
     choose: (notice, action) => {
-      model.send({ kind: "choose", notice, action });
+      if (action === "forget") labelling.pending.forget();
+      else model.send({ kind: "choose", notice, action });
       root.focus({ preventScroll: true });
     },
     list: {
@@ -209,7 +216,11 @@ function render({ model, el }) {
       vocabulary: model.get("vocabulary"),
       saveState: model.get("save_state"),
       saveNote: model.get("save_note"),
-      notices: model.get("notices"),
+      notices: [...lostEdits(), ...model.get("notices")],
+      quickNames: model.get("quick_names"),
+      historyShown: model.get("history_shown"),
+      history: model.get("history"),
+      nDone: model.get("n_done"),
       summary: summaryOf(view),
       legend: legendOf(model),
     });
@@ -218,6 +229,37 @@ function render({ model, el }) {
       panel.list.update(segmentRows(view.partition, { names, confidence, hidden: view.hidden }));
     }
   }
+
+  let lostTimer = 0;
+  let isKernelGone = false;
+  /** What to say of edits that nobody answers. @returns {import("./keeping.js").Notice[]} */
+  function lostEdits() {
+    const { age, operations } = labelling.pending;
+    clearTimeout(lostTimer);
+    if (operations.length === 0) return [];
+    if (age < LOST_MS && !isKernelGone) {
+      lostTimer = window.setTimeout(takeState, LOST_MS - age);
+      return [];
+    }
+    const edits = counted(operations.length, "edit");
+    const text = isKernelGone
+      ? `The kernel has gone before it answered ${edits}. Run the cell again: what was saved is offered there`
+      : `No answer from the kernel to ${edits} yet. If it is busy, they will be done; if it was restarted, ` +
+        "they are lost: run the cell again";
+    return [{ key: "lost", text, actions: [["Take them back", "forget"]] }];
+  }
+
+  const onPending = () => take(new Set(/** @type {const} */ (["partition"])));
+  labelling.pending.watchers.add(onPending);
+  const onLife = () => {
+    isKernelGone = true;
+    takeState();
+  };
+  on(model, "comm_live_update", onLife, signal);
+  signal.addEventListener("abort", () => {
+    labelling.pending.watchers.delete(onPending);
+    clearTimeout(lostTimer);
+  });
 
   /** Remember where one looks from, for pages that open or are saved later. */
   function keepCamera() {

@@ -57,6 +57,12 @@ export function listenToKeys({ model, view, panel, pointing, editing, signal }) 
       case "level":
         if (ordered.index < model.get("levels").length) set("level", model.get("levels")[ordered.index]);
         break;
+      case "quick_name": {
+        const name = model.get("quick_names")[ordered.index];
+        const aim = face ?? picked?.face;
+        if (name && aim !== undefined) editing.nameQuickly(aim, name);
+        break;
+      }
       case "toggle":
         if (ordered.what === "help") panel.showHelp(!panel.isHelpShown());
         else if (ordered.what === "inside") view.goInside(!view.isInside);
@@ -67,7 +73,13 @@ export function listenToKeys({ model, view, panel, pointing, editing, signal }) 
         break;
       case "escape":
         if (panel.isHelpShown()) panel.showHelp(false);
-        else pointing.letGo();
+        else pointing.back();
+        break;
+      case "tool":
+        pointing.setTool(ordered.tool);
+        break;
+      case "finish":
+        pointing.finish();
         break;
       case "choose":
         pointing.choose();

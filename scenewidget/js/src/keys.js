@@ -7,10 +7,11 @@
  *   | { kind: "zoom", factor: number }
  *   | { kind: "look", from: "here" | "above" | "start" }
  *   | { kind: "walk", way: import("./walk.js").Way }
- *   | { kind: "toggle", what: "outlines" | "back_faces" | "segment_list" | "section" | "ceiling" | "inside" | "help" | "mode" }
- *   | { kind: "level", index: number }
+ *   | { kind: "toggle", what: "outlines" | "back_faces" | "segment_list" | "section" | "ceiling" | "inside" | "help" | "history_shown" | "mode" }
+ *   | { kind: "level" | "quick_name", index: number }
  *   | { kind: "part", what: PartAction }
- *   | { kind: "undo" | "redo" | "escape" | "choose" | "show_all" | "save" }} Command
+ *   | { kind: "undo" | "redo" | "escape" | "choose" | "finish" | "show_all" | "save" }
+ *   | { kind: "tool", tool: import("./gestures.js").Tool }} Command
  */
 
 /** @type {Array<[string, string]>} */
@@ -28,7 +29,7 @@ export const NAVIGATION_HELP = [
   ["V", "stand in the room, and back"],
   ["X", "cut the scan open with a box"],
   ["Shift + X", "cut the ceiling off, or show the whole scan"],
-  ["1 – 9", "level"],
+  ["1 – 3", "level"],
   ["H", "hide the segment under the pointer"],
   ["I", "hide all others"],
   ["Shift + H", "show all"],
@@ -42,13 +43,18 @@ export const NAVIGATION_HELP = [
 export const EDIT_HELP = [
   ["Drag from part to part", "merge"],
   ["Click, then click; Enter, then Enter", "merge, too"],
+  ["Ctrl + drag, G", "brush: gather parts onto the first one"],
+  ["Ctrl + click; Shift + Enter", "gather one by one; merge them"],
   ["Right click, S", "split"],
-  ["N", "name the segment"],
+  ["C", "cut: click or drag from one side to the other"],
+  ["N", "name the segment; its form lists the names of the keys 4 – 9, 0"],
+  ["4 – 9, 0", "give it this name at once"],
   ["Drag on the background, Shift + drag", "orbit"],
   ["Right drag", "pan"],
-  ["Esc", "let go"],
+  ["Esc", "let go; put the tool down"],
   ["Ctrl + Z", "undo"],
   ["Ctrl + Shift + Z", "redo"],
+  ["U", "history: click on a step to go there"],
   ["Ctrl + S", "save everything in one file now"],
 ];
 
@@ -68,6 +74,9 @@ export const WALK_HELP = [
 
 /** Keys act on what is under the pointer; without one, on what is in the middle. */
 export const AIM_HELP = "Without a mouse, all of this happens to what is in the middle of the picture.";
+
+/** Digits that give names: those above the levels, as they lie on the keyboard. */
+export const QUICK_KEYS = ["4", "5", "6", "7", "8", "9", "0"];
 
 /** @type {Record<string, [number, number]>} */
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
@@ -117,7 +126,10 @@ const WAYS = {
 /** @type {Record<string, Command>} */
 const EDIT_COMMANDS = {
   enter: { kind: "choose" },
+  c: { kind: "tool", tool: "cut" },
+  g: { kind: "tool", tool: "brush" },
   n: { kind: "part", what: "name" },
+  u: { kind: "toggle", what: "history_shown" },
   s: { kind: "part", what: "split" },
 };
 
@@ -143,8 +155,11 @@ export function command(event, mode, isInside = false) {
     const [dx, dy] = ARROWS[key];
     return { kind: event.shiftKey ? "pan" : "orbit", dx: dx * STEP, dy: dy * STEP };
   }
+  if (mode === "edit" && QUICK_KEYS.includes(key))
+    return { kind: "quick_name", index: QUICK_KEYS.indexOf(key) };
   if (/^[1-9]$/.test(key)) return { kind: "level", index: Number(key) - 1 };
   const name = key.toLowerCase();
+  if (name === "enter" && event.shiftKey && mode === "edit") return { kind: "finish" };
   return (
     (event.shiftKey && WITH_SHIFT[name]) || (mode === "edit" && EDIT_COMMANDS[name]) || COMMANDS[name] || null
   );

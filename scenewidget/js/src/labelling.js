@@ -2,7 +2,7 @@
 
 import { meanConfidence } from "./confidence.js";
 import { describeFace, segmentTitle } from "./description.js";
-import { canMerge, FINAL, NOTHING, Pending, replay } from "./editor.js";
+import { canMerge, FINAL, NOTHING, pendingOf, replay } from "./editor.js";
 import { countSegments, makePartition, NONE } from "./partition.js";
 import { readArray } from "./wire.js";
 
@@ -19,11 +19,13 @@ export class Labelling {
     this.model = model;
     this.view = view;
     this.preview = preview;
-    this.pending = new Pending(Math.random().toString(36).slice(2, 10));
+    this.pending = pendingOf(model.get("_token") ?? "");
     /** @type {import("./editor.js").Ground | null} */
     this.ground = null;
     /** @type {ReturnType<typeof replay> | null} */
     this.shown = null;
+    /** An edit that is being made: shown, but not told. @type {import("./editor.js").Edit | null} */
+    this.sketch = null;
     /** Whether something else is shown for the moment. */
     this.isPreview = false;
   }
@@ -44,7 +46,8 @@ export class Labelling {
     this.pending.answered(model.get("_answers"));
     this.ground = { faceAtom, parts: partsOf(model.get("levels"), atomPart, atomSegment.length) };
     const labels = { atomSegment, names: model.get("segment_names") };
-    this.shown = replay(this.ground, labels, this.pending.operations);
+    const operations = this.sketch ? [...this.pending.operations, this.sketch] : this.pending.operations;
+    this.shown = replay(this.ground, labels, operations);
     const preview = this.preview.tables();
     this.isPreview = preview !== null;
     if (preview) {

@@ -1,6 +1,7 @@
 /** The little form in which a segment gets its name. */
 
 import { element, textButton } from "./elements.js";
+import { QUICK_KEYS } from "./keys.js";
 
 /** @typedef {import("./gestures.js").Place} Place */
 
@@ -24,10 +25,11 @@ export function createNaming(onClose) {
   const ok = textButton("OK", "Give this name; an empty one takes the name away (Enter)");
   ok.type = "submit";
   const cancel = textButton("Cancel", "Leave it as it is (Esc)");
+  const quick = element("div", { class: "sw-quick", role: "group", "aria-label": "Names with keys" });
   const form = element(
     "form",
     { class: "sw-naming", role: "dialog", "aria-label": "Name a segment", hidden: "" },
-    [...[title, input, ok, cancel, words]],
+    [...[title, input, ok, cancel, quick, words]],
   );
   /** @type {(name: string) => void} */
   let onName = () => {};
@@ -53,11 +55,22 @@ export function createNaming(onClose) {
     close,
     isOpen: () => !form.hidden,
 
-    /** Words to choose from. @param {string[]} vocabulary */
-    offer(vocabulary) {
-      const signature = JSON.stringify(vocabulary);
+    /** Words to choose from. @param {string[]} vocabulary @param {string[]} quickNames  those that have keys */
+    offer(vocabulary, quickNames) {
+      const signature = JSON.stringify([vocabulary, quickNames]);
       if (words.dataset.words === signature) return;
       words.dataset.words = signature;
+      quick.replaceChildren(
+        ...quickNames.slice(0, QUICK_KEYS.length).map((name, i) => {
+          const button = textButton(name, `${name}: key ${QUICK_KEYS[i]}, without this form`);
+          button.prepend(element("kbd", {}, [QUICK_KEYS[i]]), " ");
+          button.onclick = () => {
+            close();
+            onName(name);
+          };
+          return button;
+        }),
+      );
       words.replaceChildren(...vocabulary.map((word) => element("option", { value: word })));
     },
 

@@ -1,6 +1,7 @@
 /** The page around the picture: toolbar, status line, progress, errors, help. Text is always set as text. */
 
 import { element, iconButton, textButton } from "./elements.js";
+import { createHistory } from "./history.js";
 import { createKeeping } from "./keeping.js";
 import { AIM_HELP, EDIT_HELP, MODE_HELP, NAVIGATION_HELP, WALK_HELP } from "./keys.js";
 import { createLegend } from "./legend.js";
@@ -9,6 +10,7 @@ import { createRubber } from "./rubber.js";
 import { isWhole } from "./section.js";
 import { createSectionPanel } from "./sectionpanel.js";
 import { createSegmentList } from "./segmentlist.js";
+import { createToolbox } from "./toolbox.js";
 
 /**
  * @typedef {object} Actions
@@ -19,7 +21,10 @@ import { createSegmentList } from "./segmentlist.js";
  * @property {() => void} cancel
  * @property {(kind: "undo" | "redo") => void} walk  through the history
  * @property {(what: import("./keys.js").PartAction) => void} act  on the picked part
+ * @property {(n: number) => void} goTo  undo or redo until so many edits are done
  * @property {() => void} letGo  of the picked part
+ * @property {(tool: import("./gestures.js").Tool) => void} setTool
+ * @property {() => void} finish  merge what the brush has gathered
  * @property {() => void} showAll
  * @property {() => void} save
  * @property {(notice: string, action: string) => void} choose  a button of a notice was pressed
@@ -56,6 +61,10 @@ import { createSegmentList } from "./segmentlist.js";
  * @property {import("./keeping.js").Notice[]} notices
  * @property {number} nHidden  segments that aren't drawn
  * @property {string[]} vocabulary
+ * @property {string[]} quickNames
+ * @property {boolean} historyShown
+ * @property {import("./history.js").Step[]} history
+ * @property {number} nDone  edits that are done
  * @property {string} summary  shown at rest, with the status
  * @property {import("./legend.js").Legend | null} legend  of the colours shown
  */
@@ -106,14 +115,26 @@ export function createPanel(host, actions) {
     look,
     edit,
   ]);
+  const toolbox = createToolbox(actions.setTool);
   const keeping = createKeeping(actions);
-  const history = element("div", { class: "sw-group" }, [undo, redo, keeping.button, keeping.word]);
+  const toHistory = iconButton("history", "History", "U");
+  const history = element("div", { class: "sw-group" }, [
+    ...[undo, redo, toHistory, keeping.button, keeping.word],
+  ]);
+  const steps = createHistory({
+    goTo: actions.goTo,
+    close: () => {
+      actions.set("history_shown", false);
+      root.focus({ preventScroll: true });
+    },
+  });
   const showAll = textButton("Show all", "Show what is hidden (Shift + H)");
   const hiddenGroup = element("div", { class: "sw-group", hidden: "" }, [showAll]);
   const tools = element("div", { class: "sw-tools", role: "toolbar", "aria-label": "View" }, [
     element("div", { class: "sw-group" }, [field("Colour", colorBy), mixing, levelField]),
     hiddenGroup,
     modes,
+    toolbox.element,
     history,
     element("div", { class: "sw-group" }, [outlines, backFaces, section]),
     element("div", { class: "sw-group" }, [fit, above, inside, start]),
@@ -163,18 +184,16 @@ export function createPanel(host, actions) {
   ];
   const pickedText = element("span", { class: "sw-picked-text" });
   const letGo = iconButton("close", "Let go", "Esc");
+  const finish = textButton("Merge them", "Merge what is gathered (Shift + Enter)");
+  const actButtons = actsOn.map(([name, what, title]) => {
+    const button = textButton(name, title);
+    button.onclick = () => actions.act(what);
+    return button;
+  });
   const pickedBar = element(
     "div",
     { class: "sw-picked", role: "toolbar", "aria-label": "Picked part", hidden: "" },
-    [
-      pickedText,
-      ...actsOn.map(([name, what, title]) => {
-        const button = textButton(name, title);
-        button.onclick = () => actions.act(what);
-        return button;
-      }),
-      letGo,
-    ],
+    [pickedText, ...actButtons, finish, letGo],
   );
   const naming = createNaming(() => root.focus({ preventScroll: true }));
   const rubber = createRubber();
@@ -218,7 +237,7 @@ export function createPanel(host, actions) {
           busy,
           error,
         ],
-        ...[keeping.bars, naming.element, sectionPanel.element, helpCard],
+        ...[keeping.bars, steps.element, naming.element, sectionPanel.element, helpCard],
       ]),
       list.element,
     ],
@@ -257,10 +276,12 @@ export function createPanel(host, actions) {
   level.onchange = () => actions.set("level", level.value);
   look.onclick = () => actions.set("mode", "navigate");
   edit.onclick = () => actions.set("mode", "edit");
+  toHistory.onclick = () => actions.set("history_shown", !isPressed(toHistory));
   undo.onclick = () => actions.walk("undo");
   redo.onclick = () => actions.walk("redo");
   showAll.onclick = () => actions.showAll();
   letGo.onclick = () => actions.letGo();
+  finish.onclick = () => actions.finish();
   mixing.oninput = () => actions.set("color_mix", Number(mixing.value));
   cancel.onclick = () => {
     cancel.disabled = true;
@@ -308,8 +329,15 @@ export function createPanel(host, actions) {
       showStatus();
     },
 
+    /** @param {import("./gestures.js").Tool} tool */
+    showTool(tool) {
+      toolbox.show(tool);
+    },
+
     /** Offer what can be done with the picked part. @param {string | null} text  what to say of it */
-    showPicked(text) {
+    showPicked(text, { isStroke = false } = {}) {
+      for (const button of actButtons) button.hidden = isStroke;
+      finish.hidden = !isStroke;
       if (pickedText.textContent !== (text ?? "")) pickedText.textContent = text ?? "";
       if (text === null && pickedBar.contains(document.activeElement)) root.focus({ preventScroll: true });
       pickedBar.hidden = text === null;
@@ -360,13 +388,17 @@ export function createPanel(host, actions) {
 
       legend.show(state.legend);
       modes.hidden = history.hidden = !state.editable;
+      toolbox.element.hidden = !state.editable || state.mode !== "edit";
       look.setAttribute("aria-pressed", String(state.mode === "navigate"));
       edit.setAttribute("aria-pressed", String(state.mode === "edit"));
       offer(undo, "Undo", "Ctrl + Z", state.undo);
       offer(redo, "Redo", "Ctrl + Shift + Z", state.redo);
       hiddenGroup.hidden = state.nHidden === 0;
       root.dataset.hidden = String(state.nHidden);
-      naming.offer(state.vocabulary);
+      naming.offer(state.vocabulary, state.quickNames);
+      const hasHistory = state.editable && state.historyShown;
+      toHistory.setAttribute("aria-pressed", String(hasHistory));
+      steps.update(hasHistory, state.history, state.nDone);
       keeping.update(state);
 
       root.dataset.pending = String(state.pending);

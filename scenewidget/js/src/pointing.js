@@ -10,6 +10,8 @@ import { NONE } from "./partition.js";
 /** @typedef {import("./gestures.js").PointerEventLike} PointerEventLike */
 
 const SCROLL_PAUSE_MS = 200;
+const BRUSH_STEP = 5; // pixels: a fast brush misses nothing that is wider
+const IS_MAC = /mac/i.test(globalThis.navigator?.platform ?? "");
 
 /**
  * @param {object} around
@@ -35,7 +37,13 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
   /** Whether keys were used last: without a pointer they aim at the middle. */
   let isKeyboard = false;
   /** Where on the surface the last press was, and where the picked part was taken. */
-  const points = { press: /** @type {Vec3 | null} */ (null), picked: /** @type {Vec3 | null} */ (null) };
+  const points = {
+    press: /** @type {Vec3 | null} */ (null),
+    picked: /** @type {Vec3 | null} */ (null),
+    seeds: /** @type {[Vec3, Vec3] | null} */ (null), // of a cut that Python is about
+  };
+  /** @type {import("./gestures.js").Tool} */
+  let tool = "merge";
 
   /** Where keys act: under the pointer, or in the middle. @returns {Place | null} */
   function aimed() {
@@ -45,15 +53,17 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
   /** Show what lies under the pointer. @param {boolean} [isForced]  even if it is the same face as before */
   function point(isForced = false) {
     const place = aimed();
-    const isPointing = ["idle", "press", "link"].includes(gesture.phase);
+    const isPointing = ["idle", "press", "link", "dab", "brush"].includes(gesture.phase);
     const own = place && isPointing ? view.faceAt(place) : null;
     const face = own ?? (place || view.isMoving ? null : linked);
     if (face === hoveredFace && !isForced) return;
     if (face !== hoveredFace) onPoint(own, own === null || !place ? null : view.pointAt(place));
     hoveredFace = face;
-    const from = gesture.phase === "link" ? gesture.from : gesture.picked;
+    const { picked, stroke } = gesture;
+    const from = gesture.phase === "link" ? gesture.from : (stroke?.onto ?? picked);
     const part = face === null ? NONE : view.partOf(face);
-    const target = from && face !== null && labelling.isTarget(from.face, face) ? view.segmentOf(face) : NONE;
+    const isMerge = from && face !== null && tool === "merge" && !stroke;
+    const target = isMerge && labelling.isTarget(from.face, face) ? view.segmentOf(face) : NONE;
     const lit = face === null && listed !== null ? listed : target;
     view.setLook({ hovered: from ? NONE : part, picked: from ? from.part : NONE, target: lit });
     panel.list.mark(face === null ? listed : view.segmentOf(face));
@@ -63,14 +73,27 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
     root.dataset.target = said(target);
     const words = face !== null && view.partition ? labelling.descriptionOf(face) : null;
     panel.showHover(words && target !== NONE ? { ...words, text: `Merge into ${words.text}` } : words);
-    const { picked } = gesture;
-    panel.showPicked(picked ? `${labelling.titleOf(picked)}: click what to merge it with` : null);
+    if (stroke) {
+      const n = stroke.gathered.length;
+      const what = n === 0 ? "gather parts for" : `${n} ${n === 1 ? "part" : "parts"} onto`;
+      panel.showPicked(`Brush: ${what} ${labelling.titleOf(stroke.onto)}`, { isStroke: true });
+    } else {
+      const next = tool === "cut" ? "click the other side of the cut" : "click what to merge it with";
+      panel.showPicked(picked ? `${labelling.titleOf(picked)}: ${next}` : null);
+    }
   }
 
   /** The line from the part being moved to the pointer. @param {Place | null} [tip] */
   function stretch(tip = aimed()) {
     const start = gesture.phase === "link" ? points.press : gesture.picked && points.picked;
-    panel.rubber.show(start && view.placeOf(start), tip, view.look.target !== NONE);
+    const isCut = labelling.pending.operations.some(({ kind }) => kind === "cut");
+    if (!isCut) points.seeds = null;
+    if (!start && points.seeds) {
+      panel.rubber.show(view.placeOf(points.seeds[0]), view.placeOf(points.seeds[1]), true);
+      return;
+    }
+    const isHeld = view.look.target !== NONE || tool === "cut";
+    panel.rubber.show(start && view.placeOf(start), tip, isHeld);
   }
 
   /** A hit as it is after levels or segments have changed. @param {Hit | null} hit */
@@ -81,25 +104,66 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
 
   /** Levels or segments have changed. */
   function renew() {
-    gesture = { ...gesture, from: renewed(gesture.from), picked: renewed(gesture.picked) };
+    const { from, picked, stroke } = gesture;
+    const onto = renewed(stroke?.onto ?? null);
+    gesture = {
+      ...gesture,
+      from: renewed(from),
+      picked: renewed(picked),
+      stroke: stroke && onto && { ...stroke, onto },
+    };
     point(true);
+    stretch();
   }
 
   /** @param {PointerEventLike} event */
   function feed(event) {
-    const before = gesture.picked;
-    const [next, actions] = step(gesture, event, model.get("mode"));
+    const before = gesture;
+    const [next, actions] = step(gesture, event, model.get("mode"), tool);
     gesture = next;
-    if (next.picked && next.picked !== before) points.picked = points.press;
+    if (next.picked && next.picked !== before.picked) points.picked = points.press;
     root.dataset.gesture = next.phase;
+    if (next.stroke?.gathered.length !== before.stroke?.gathered.length) sketch();
     for (const action of actions) {
       const { level } = labelling;
       if (action.kind === "merge") edit({ kind: "merge", face: action.face, onto_face: action.onto, level });
       else if (action.kind === "split") edit({ kind: "split", face: action.face, level });
-      else if (action.kind !== "click") view.apply(action);
+      else if (action.kind === "cut") {
+        const start = before.phase === "link" ? points.press : points.picked;
+        const end = before.phase === "link" ? view.pointAt(event) : points.press;
+        points.seeds = start && end && [start, end];
+        edit({ kind: "cut", face_a: action.face, face_b: action.onto });
+      } else if (action.kind !== "click") view.apply(action);
     }
     point(true);
     stretch();
+  }
+
+  /** Show what the brush has gathered as if it had been merged already. */
+  function sketch() {
+    const { stroke } = gesture;
+    const faces = stroke?.gathered.map(({ face }) => face) ?? [];
+    const isThere = stroke && faces.length > 0;
+    labelling.sketch = isThere
+      ? { kind: "merge", face: faces, onto_face: stroke.onto.face, level: labelling.level }
+      : null;
+    labelling.read();
+    root.dataset.segments = String(labelling.count);
+  }
+
+  /** Take up a tool, or put it down if it is in hand already. @param {import("./gestures.js").Tool} wanted */
+  function setTool(wanted) {
+    tool = wanted === tool ? "merge" : wanted;
+    root.dataset.tool = tool;
+    panel.showTool(tool);
+    letGo();
+  }
+
+  /** Let go of what is in hand, then of the tool. */
+  function back() {
+    const isIdle = gesture.phase === "idle" && !gesture.picked && !gesture.stroke;
+    if (isIdle && tool !== "merge") setTool("merge");
+    else letGo();
   }
 
   const letGo = () => feed({ type: "cancel", id: -1, x: 0, y: 0 });
@@ -153,6 +217,7 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
   const onPointer = (type) => (/** @type {PointerEvent} */ event) => {
     const place = placeOf(event);
     const isOutside = type === "cancel" || (gesture.phase !== "idle" && !isOnCanvas(event));
+    const last = pointer;
     pointer = isOutside ? null : place;
     if (isKeyboard) showAim(false);
     if (type === "down") {
@@ -168,7 +233,13 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
     }
     const hit = isOutside ? null : view.hitAt(place);
     const { pointerId: id, button, shiftKey: shift } = event;
-    feed({ type, id, ...place, button, shift, isTouch: event.pointerType === "touch", hit });
+    const brush = event.metaKey || (event.ctrlKey && !IS_MAC); // there, Ctrl makes a right click
+    const kind = { id, button, shift, brush, isOutside, isTouch: event.pointerType === "touch" };
+    if (type === "move" && gesture.stroke && last && !isOutside) {
+      for (const between of placesBetween(last, place))
+        feed({ type, ...kind, ...between, hit: view.hitAt(between) });
+    }
+    feed({ type, ...kind, ...place, hit });
     if (gesture.phase === "link") stretch(place);
   };
   const on = /** @type {typeof canvas.addEventListener} */ (
@@ -180,7 +251,7 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
   on("pointerup", onPointer("up"));
   on("pointercancel", onPointer("cancel"));
   on("lostpointercapture", () => {
-    if (gesture.phase === "press" || gesture.phase === "link" || gesture.phase === "aside") letGo();
+    if (["press", "link", "aside", "dab", "brush"].includes(gesture.phase)) letGo();
   });
   on("pointerleave", () => {
     pointer = null;
@@ -217,6 +288,9 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
     stretch,
     renew,
     letGo,
+    back,
+    setTool,
+    finish: () => feed({ type: "finish", id: -1, x: 0, y: 0 }),
     choose,
     list,
     chooseSegment,
@@ -240,4 +314,12 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
 /** A part or a segment for a data attribute. @param {number} number */
 function said(number) {
   return number === NONE ? "" : String(number);
+}
+
+/** Places that a pointer has passed between two events. @param {Place} from @param {Place} to */
+function* placesBetween(from, to) {
+  const n = Math.ceil(Math.hypot(to.x - from.x, to.y - from.y) / BRUSH_STEP);
+  for (let i = 1; i < n; i++) {
+    yield { x: from.x + (i / n) * (to.x - from.x), y: from.y + (i / n) * (to.y - from.y) };
+  }
 }

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { canMerge, foresee, NOTHING, Pending, replay } from "../src/editor.js";
+import { canMerge, foresee, NOTHING, Pending, pendingOf, replay } from "../src/editor.js";
 import { NONE } from "../src/partition.js";
 
 /** @typedef {import("../src/editor.js").Operation} Operation */
@@ -95,4 +95,35 @@ test("operations wait until Python has answered them", () => {
   assert.deepEqual(pending.operations, [redo]);
   pending.answered(undefined);
   assert.deepEqual(pending.operations, [redo]);
+});
+
+test("a brush moves all its parts at once, those that belong to none are passed over", () => {
+  /** @type {Operation} */
+  const brush = { kind: "merge", face: [2, 4, 5], onto_face: 0, level: "final" };
+  assert.deepEqual(after(brush).segments, [0, 0, 0, 0, 0, NONE]);
+  assert.equal(after(brush).undo, "Merge 3 parts");
+  assert.deepEqual(after({ ...brush, level: "base", face: [1, 3] }).segments, [0, 0, 0, 0, 2, NONE]);
+  assert.equal(canMerge(ground, labels, { ...brush, face: [5] }), false);
+});
+
+test("a cut shows when Python has made it; what can't be cut is refused at once", () => {
+  assert.deepEqual(after({ kind: "cut", face_a: 0, face_b: 1 }).segments, [...labels.atomSegment]);
+  assert.equal(after({ kind: "cut", face_a: 0, face_b: 1 }).undo, "Cut");
+  const cut = (/** @type {number} */ a, /** @type {number} */ b) =>
+    foresee(ground, labels, { kind: "cut", face_a: a, face_b: b });
+  assert.match(String(cut(0, 2)), /two points of the same segment/);
+  assert.match(String(cut(0, 5)), /unlabelled/);
+});
+
+test("views of one model share what is on its way, and are told of it", () => {
+  const pending = pendingOf("model 1");
+  assert.equal(pendingOf("model 1"), pending);
+  assert.notEqual(pendingOf(""), pendingOf(""));
+  let told = 0;
+  pending.watchers.add(() => told++);
+  pending.add(undo);
+  assert.equal(told, 1);
+  pending.forget();
+  assert.deepEqual([told, pending.operations, pending.age], [2, [], 0]);
+  assert.deepEqual(pending.add(redo).number, 2); // an old answer can't be taken for a new one
 });

@@ -8,16 +8,19 @@ import { IDLE, step } from "../src/gestures.js";
 const chair = { face: 10, part: 1, segment: 1 };
 const table = { face: 20, part: 2, segment: 2 };
 
+const lamp = { face: 30, part: 3, segment: 3 };
+
 /**
  * @param {Array<Partial<PointerEventLike> & { type: PointerEventLike["type"] }>} events
  * @param {import("../src/gestures.js").Mode} mode
+ * @param {import("../src/gestures.js").Tool} [tool]
  */
-function play(events, mode = "edit") {
+function play(events, mode = "edit", tool = "merge") {
   let gesture = IDLE;
   /** @type {Action[]} */
   const actions = [];
   for (const event of events) {
-    const [next, now] = step(gesture, { id: 1, x: 0, y: 0, button: 0, ...event }, mode);
+    const [next, now] = step(gesture, { id: 1, x: 0, y: 0, button: 0, ...event }, mode, tool);
     gesture = next;
     actions.push(...now);
   }
@@ -176,4 +179,82 @@ test("pointers that were never pressed change nothing", () => {
     ]),
     { gesture: IDLE, actions: [] },
   );
+});
+
+/** @type {Array<Partial<PointerEventLike> & { type: PointerEventLike["type"] }>} */
+const stroke = [
+  { type: "down", hit: chair },
+  { type: "move", x: 30, hit: table },
+  { type: "move", x: 40, hit: table },
+  { type: "move", x: 50, hit: null },
+  { type: "move", x: 60, hit: lamp },
+  { type: "move", x: 70, hit: chair },
+];
+
+test("a brush puts all that it passes over onto the first part, in one merge", () => {
+  const merge = { kind: "merge", face: [20, 30], onto: 10 };
+  const { actions, gesture } = play([...stroke, { type: "up", x: 0, hit: chair }], "edit", "brush");
+  assert.deepEqual(actions, [merge]);
+  assert.deepEqual(gesture, IDLE);
+  const held = [{ ...stroke[0], brush: true }, ...stroke.slice(1)];
+  assert.deepEqual(play([...held, { type: "up", hit: lamp }]).actions, [merge]);
+  assert.deepEqual(play([...stroke, { type: "up", hit: null }], "edit", "brush").actions, [merge]);
+});
+
+test("a brush released outside, cancelled or without a second part edits nothing", () => {
+  assert.deepEqual(play([...stroke, { type: "up", isOutside: true }], "edit", "brush").actions, []);
+  const { actions, gesture } = play([...stroke, { type: "cancel" }, { type: "up" }], "edit", "brush");
+  assert.deepEqual([actions, gesture], [[], IDLE]);
+  assert.deepEqual(
+    play([...stroke.slice(0, 1), { type: "up", x: 9, hit: chair }], "edit", "brush").actions,
+    [],
+  );
+});
+
+test("a brush gathers by clicks and keys, too, until it is told to finish", () => {
+  const click = (/** @type {typeof chair} */ hit) =>
+    /** @type {const} */ ([
+      { type: "down", hit },
+      { type: "up", hit },
+    ]);
+  const open = play([...click(chair), ...click(table), { type: "choose", hit: lamp }], "edit", "brush");
+  assert.deepEqual(open.actions, []);
+  assert.deepEqual(open.gesture.stroke, { onto: chair, gathered: [table, lamp] });
+  const [rest, actions] = step(open.gesture, { type: "finish", id: -1, x: 0, y: 0 }, "edit", "brush");
+  assert.deepEqual([rest, actions], [IDLE, [{ kind: "merge", face: [20, 30], onto: 10 }]]);
+  assert.deepEqual(play([{ type: "finish" }]).actions, []);
+});
+
+test("the cut tool tells two points, by a drag or by two clicks", () => {
+  const here = { face: 10, part: 1, segment: 1 };
+  const there = { face: 19, part: 1, segment: 1 };
+  const cut = [{ kind: "cut", face: 10, onto: 19 }];
+  const drag = play(
+    [
+      { type: "down", hit: here },
+      { type: "move", x: 30, hit: there },
+      { type: "up", x: 60, hit: there },
+    ],
+    "edit",
+    "cut",
+  );
+  assert.deepEqual(drag.actions, cut);
+  const keys = play(
+    [
+      { type: "choose", hit: here },
+      { type: "choose", hit: there },
+    ],
+    "edit",
+    "cut",
+  );
+  assert.deepEqual(keys.actions.slice(1), cut);
+  const same = play(
+    [
+      { type: "choose", hit: here },
+      { type: "choose", hit: here },
+    ],
+    "edit",
+    "cut",
+  );
+  assert.deepEqual(same.actions.slice(1), []);
 });

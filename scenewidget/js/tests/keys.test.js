@@ -52,3 +52,18 @@ test("inside a room letters and arrows walk, outside they don't", () => {
   assert.equal(command({ ...plain, key: "PageUp" }, "navigate"), null);
   assert.deepEqual(command({ ...plain, key: "v" }, "edit", true), { kind: "toggle", what: "inside" });
 });
+
+test("in edit mode digits above the levels give names", () => {
+  assert.deepEqual(command({ ...plain, key: "3" }, "edit"), { kind: "level", index: 2 });
+  assert.deepEqual(command({ ...plain, key: "4" }, "edit"), { kind: "quick_name", index: 0 });
+  assert.deepEqual(command({ ...plain, key: "0" }, "edit"), { kind: "quick_name", index: 6 });
+  assert.equal(command({ ...plain, key: "0" }, "navigate"), null);
+});
+
+test("tools have keys, and a brush is finished by one", () => {
+  assert.deepEqual(command({ ...plain, key: "c" }, "edit"), { kind: "tool", tool: "cut" });
+  assert.deepEqual(command({ ...plain, key: "g" }, "edit"), { kind: "tool", tool: "brush" });
+  assert.deepEqual(command({ ...plain, key: "Enter", shiftKey: true }, "edit"), { kind: "finish" });
+  assert.equal(command({ ...plain, key: "c", ctrlKey: true }, "edit"), null);
+  assert.deepEqual(command({ ...plain, key: "s", ctrlKey: true }, "navigate"), { kind: "save" });
+});

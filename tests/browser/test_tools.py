@@ -1,0 +1,219 @@
+"""Brush, cut, history and names by keys, in a real notebook; edits that nobody answers."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+
+import pytest
+from test_editor import WIDGET, Editor
+
+
+@pytest.fixture
+def editor(notebook):
+    """A segmented room, ready to be edited; nothing may go wrong in the console meanwhile."""
+    book = notebook([WIDGET])
+    book.run_all()
+    yield Editor(book)
+    assert book.errors == []
+
+
+def three(editor):
+    """Three segments that can be pointed at, with their places."""
+    width, height = editor.view.size()
+    inside = [
+        (part, (x, y))
+        for part, (x, y) in editor.places().items()
+        if 50 < y < height - 90 and 20 < x < width - 20
+    ]
+    assert len(inside) >= 3, editor.places()
+    return inside[:3]
+
+
+def test_a_brush_gathers_parts_into_one_step(editor):
+    places = [place for _, place in three(editor)]
+    editor.page.keyboard.down("Control")
+    editor.press(places[0])
+    for x, y in places[1:]:
+        box = editor.root.locator("canvas").bounding_box()
+        editor.page.mouse.move(box["x"] + x, box["y"] + y, steps=4)
+    assert editor.view.state("gesture") == "brush"
+    assert int(editor.view.state("segments")) <= editor.n - 2  # as if it were done
+    assert editor.edits() == []
+    editor.page.mouse.up()
+    editor.page.keyboard.up("Control")
+    editor.view.wait("pending", "0")
+    assert editor.edits() == ["Merge"]
+    n = int(editor.view.state("segments"))
+    assert editor.python("w.segmentation.n_segments") == n <= editor.n - 2
+    editor.page.keyboard.press("Control+z")
+    editor.settled(editor.n)
+
+
+def test_a_brush_that_is_let_go_edits_nothing(editor):
+    places = [place for _, place in three(editor)]
+    editor.button("Brush").click()
+    editor.view.wait("tool", "brush")
+    for end in ("Escape", "outside"):
+        editor.press(places[0])
+        editor.view.point(*places[1])
+        editor.view.wait("segments", str(editor.n - 1))
+        if end == "Escape":
+            editor.page.keyboard.press("Escape")
+        else:
+            editor.view.point(-40, 100)
+        editor.page.mouse.up()
+        editor.view.wait("segments", str(editor.n))
+    assert editor.edits() == []
+    editor.page.keyboard.press("Escape")
+    editor.view.wait("tool", "merge")
+
+
+def test_a_brush_gathers_one_by_one(editor):
+    places = [place for _, place in three(editor)]
+    editor.root.focus()
+    editor.page.keyboard.press("g")
+    for place in places:
+        editor.click(place)
+    editor.root.get_by_text("Brush: 2 parts onto").wait_for()
+    editor.page.keyboard.press("Shift+Enter")
+    editor.settled(editor.n - 2)
+    assert editor.edits() == ["Merge"]
+    editor.root.focus()
+    editor.page.keyboard.press("Control+z")
+    editor.settled(editor.n)
+    for place in places[:2]:
+        editor.click(place)
+    editor.button("Merge them").click()
+    editor.settled(editor.n - 1)
+
+
+def test_a_segment_is_cut_between_two_points(editor):
+    (one, (x, y)), *_ = three(editor)
+    editor.root.focus()
+    editor.page.keyboard.press("c")
+    editor.view.wait("tool", "cut")
+    editor.click((x - 14, y))
+    editor.view.wait("picked", str(one))
+    editor.root.get_by_text("click the other side of the cut").wait_for()
+    editor.view.point(x + 14, y)
+    assert editor.root.locator(".sw-rubber").is_visible()
+    editor.click((x + 14, y))
+    editor.settled(editor.n + 1)
+    assert editor.edits() == ["Cut"]
+    left, right = editor.python("(w.session.edits[0].face_a, w.session.edits[0].face_b)")
+    assert editor.python(f"w.segmentation.labels[{left}] != w.segmentation.labels[{right}]")
+    editor.view.point(x - 14, y)
+    hovered = editor.view.state("hovered")
+    editor.view.point(x + 14, y)
+    editor.page.wait_for_function(
+        "([root, other]) => !['', other].includes(root.dataset.hovered)",
+        arg=[editor.root.element_handle(), hovered],
+    )
+    editor.page.keyboard.press("Escape")
+    editor.view.wait("tool", "merge")
+
+
+def test_two_points_of_different_segments_are_not_cut(editor):
+    (_, start), (_, end) = editor.ends()
+    editor.button("Cut").click()
+    editor.view.drag(start, end)
+    editor.root.get_by_text("A cut needs two points of the same segment").wait_for()
+    assert editor.edits() == []
+
+
+def test_the_history_is_walked_by_clicks(editor):
+    (_, start), (_, end) = editor.ends()
+    editor.view.drag(start, end)
+    editor.settled(editor.n - 1)
+    editor.view.point(*start)
+    editor.page.keyboard.press("4")
+    editor.view.wait("pending", "0")
+    editor.button("History").click()
+    steps = editor.root.get_by_role("region", name="History").get_by_role("button")
+    editor.root.locator(".sw-step", has_text="Name 'wall'").wait_for()
+    titles = [step.locator(".sw-step-title").inner_text() for step in steps.all()[1:]]
+    assert titles == ["As segmented", "Merge", "Name 'wall'"]
+    editor.root.locator(".sw-step", has_text="As segmented").click()
+    editor.settled(editor.n)
+    assert editor.edits() == []
+    editor.root.locator(".sw-step", has_text="Name 'wall'").click()
+    editor.settled(editor.n - 1)
+    assert editor.edits() == ["Merge", "Relabel"]
+    editor.root.locator(".sw-step[aria-current]", has_text="Name 'wall'").press("ArrowUp")
+    editor.page.keyboard.press("Enter")
+    editor.root.locator(".sw-step[aria-current]", has_text="Merge").wait_for()
+    assert editor.edits() == ["Merge"]
+    editor.page.keyboard.press("Escape")
+    editor.root.get_by_role("region", name="History").wait_for(state="hidden")
+
+
+def test_digits_give_names(editor):
+    (one, start), _ = editor.ends()
+    face = editor.python(f"int((w.segmentation.labels == {one}).argmax())")
+    name = f"w.segmentation.names[w.segmentation.labels[{face}]]"
+    editor.view.point(*start)
+    editor.page.keyboard.press("5")
+    editor.view.wait("pending", "0")
+    assert editor.python(name) == "floor"
+    editor.page.keyboard.press("2")  # digits below are levels
+    editor.page.keyboard.press("3")
+    editor.page.keyboard.press("n")
+    form = editor.root.get_by_role("dialog", name="Name a segment")
+    form.get_by_role("button", name="6 cabinet").click()
+    editor.view.wait("pending", "0")
+    assert editor.python(name) == "cabinet"
+    assert editor.edits() == ["Relabel", "Relabel"]
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no way to let a kernel pause")
+def test_edits_on_their_way_show_in_every_view_and_are_accounted_for(notebook):
+    book = notebook([WIDGET, "w.view"], height=1400)
+    book.run_all()
+    editor = Editor(book)
+    other = book.view(1)
+    other.wait("segments", str(editor.n))
+    editor.root.scroll_into_view_if_needed()
+    editor.view.settle()
+    (_, start), (_, end) = editor.ends()
+    kernel = editor.python("__import__('os').getpid()")
+    os.kill(kernel, signal.SIGSTOP)
+    try:
+        editor.view.drag(start, end)
+        editor.view.wait("segments", str(editor.n - 1))
+        other.wait("segments", str(editor.n - 1))
+        assert other.state("pending") == "1"
+        notice = editor.root.get_by_role("alert").filter(has_text="No answer from the kernel to 1 edit")
+        notice.wait_for()
+        notice.get_by_role("button", name="Take them back").click()
+        editor.view.wait("segments", str(editor.n))
+        other.wait("segments", str(editor.n))
+        assert editor.view.state("pending") == "0"
+    finally:
+        os.kill(kernel, signal.SIGCONT)
+    editor.settled(editor.n - 1)  # it was only busy: the edit was done, and shows
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no way to let a kernel pause")
+def test_a_kernel_that_went_is_told_and_leaves_nothing_pending(editor):
+    (_, start), (_, end) = editor.ends()
+    os.kill(editor.python("__import__('os').getpid()"), signal.SIGSTOP)
+    editor.view.drag(start, end)
+    editor.view.wait("pending", "1")
+    editor.book.restart()
+    notice = editor.root.get_by_role("alert").filter(has_text=re.compile("[Rr]un the cell again"))
+    notice.wait_for()
+    notice.get_by_role("button", name="Take them back").click()
+    editor.view.wait("pending", "0")
+    editor.view.wait("segments", str(editor.n))
+
+
+def test_help_and_toolbar_offer_every_tool(editor):
+    editor.root.focus()
+    editor.page.keyboard.press("?")
+    text = editor.root.get_by_role("dialog", name="Keys and gestures").inner_text()
+    for words in ("brush", "cut", "history", "save everything", "give it this name", "gather one by one"):
+        assert words in text
+    for name in ("Merge", "Brush", "Cut", "Undo", "Redo", "History", "Save"):
+        assert editor.button(name).is_visible()
