@@ -79,9 +79,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(scope="session")
 def chromium() -> str:
     """Path of Chromium; without it, skip here and fail under CI."""
-    wanted = os.environ.get("SCENEWIDGET_CHROMIUM")
-    names = [wanted] if wanted else ["chromium", "chromium-browser", "google-chrome"]
-    found = next((path for name in names if (path := shutil.which(name))), None)
+    found = find_chromium()
     if found:
         return found
     message = (
@@ -92,6 +90,13 @@ def chromium() -> str:
         pytest.fail(message, pytrace=False)
     print(f"\n*** {message} ***\n", file=sys.__stderr__)
     pytest.skip(message)
+
+
+def find_chromium() -> str | None:
+    """Path of Chromium, None if there is none."""
+    wanted = os.environ.get("SCENEWIDGET_CHROMIUM")
+    names = [wanted] if wanted else ["chromium", "chromium-browser", "google-chrome"]
+    return next((path for name in names if (path := shutil.which(name))), None)
 
 
 @dataclass
@@ -106,7 +111,13 @@ class Server:
 @pytest.fixture(scope="session")
 def jupyter(tmp_path_factory: pytest.TempPathFactory, chromium: str) -> Iterator[Server]:
     """A JupyterLab with settings, kernels and files of its own."""
-    home = tmp_path_factory.mktemp("jupyter")
+    with lab(tmp_path_factory.mktemp("jupyter")) as server:
+        yield server
+
+
+@contextlib.contextmanager
+def lab(home: Path) -> Iterator[Server]:
+    """A JupyterLab that keeps everything in a folder and lives as long as the block."""
     folder = home / "notebooks"
     folder.mkdir()
     (home / "settings").mkdir()
