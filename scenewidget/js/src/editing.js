@@ -22,6 +22,7 @@ const PREVIEW = "This is a preview: let go of the slider, and edit the result";
 export function createEditing({ model, view, panel, labelling }, { onEdit, onHide, letGo }) {
   /** Show an edit and tell Python of it, unless it makes no sense. @param {import("./editor.js").Edit} operation */
   function edit(operation) {
+    if (panel.root.dataset.live === "false") return;
     if (labelling.isPreview) {
       panel.remark(PREVIEW);
       return;
@@ -39,6 +40,7 @@ export function createEditing({ model, view, panel, labelling }, { onEdit, onHid
 
   /** Undo or redo. @param {"undo" | "redo"} kind */
   function walk(kind) {
+    if (panel.root.dataset.live === "false") return;
     if (labelling.isPreview) {
       panel.remark(PREVIEW);
       return;

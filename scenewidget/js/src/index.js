@@ -1,5 +1,6 @@
 /** Connects the model that Python holds with a view of it on the page. */
 
+import { ASIDE, GONE_NOTICE, watchConnection } from "./connection.js";
 import { counted } from "./description.js";
 import { createEditing } from "./editing.js";
 import { listenToKeys } from "./keyboard.js";
@@ -20,6 +21,8 @@ import { readArray } from "./wire.js";
 const GEOMETRY = ["vertices", "faces", "vertex_colors", "up"];
 const PARTITION = ["face_atom", "atom_part", "atom_segment", "segment_colors", "atom_confidence"];
 const VALUES = ["face_value", "colormap"];
+const ASIDE_MS = 1200; // without its context for so long, a view won't get it back by itself
+const PATIENCE_MS = 5000; // a view that loses its context sooner is one of too many in sight: leave it to a button
 const PREVIEW = [
   ...["face_item", "preview_segment", "preview_colors", "is_preview"],
   ...["face_piece", "family_merges", "family_colors"],
@@ -53,7 +56,21 @@ const GROUPS = {
  * @param {{ model: Model, el: HTMLElement }} host
  * @returns {() => void}  undoes everything
  */
-function render({ model, el }) {
+function render(host) {
+  let stop = start(host, again);
+  function again() {
+    stop();
+    stop = start(host, again);
+  }
+  return () => stop();
+}
+
+/**
+ * @param {{ model: Model, el: HTMLElement }} host
+ * @param {() => void} again  ends this view and makes another in its place
+ * @returns {() => void}  undoes everything
+ */
+function start({ model, el }, again) {
   const life = new AbortController();
   const { signal } = life;
   const set = (/** @type {string} */ name, /** @type {unknown} */ value) => {
@@ -82,6 +99,10 @@ function render({ model, el }) {
     save: () => model.send({ kind: "save" }),
     goTo: (n) => editing.goTo(n),
     choose: (notice, action) => {
+      if (notice === ASIDE.key) {
+        again();
+        return;
+      }
       if (action === "forget") labelling.pending.forget();
       else model.send({ kind: "choose", notice, action });
       root.focus({ preventScroll: true });
@@ -132,6 +153,8 @@ function render({ model, el }) {
     return () => root.remove();
   }
   const view = viewer;
+  /** Whether the browser has taken the graphics context away, for others. */
+  let isAside = false;
   const camera = model.get("_camera");
   if (camera?.target) view.first = camera;
   const preview = new Preview(model, () => take(new Set(/** @type {const} */ (["partition"]))), signal);
@@ -145,6 +168,7 @@ function render({ model, el }) {
     letGo: () => pointing.letGo(),
   });
   listenToKeys({ ...around, pointing, editing });
+  const connection = watchConnection(model, el, () => take(new Set()), signal);
 
   // from the model -----------------------------------------------------------------------------------
 
@@ -175,6 +199,10 @@ function render({ model, el }) {
   function takeState() {
     root.style.height = `${model.get("height")}px`;
     root.dataset.segments = String(labelling.count);
+    const isLive = connection.isLive();
+    root.dataset.live = String(isLive);
+    if (!isLive && model.get("mode") === "edit") model.set("mode", "navigate");
+    const own = [...(isLive ? [] : [GONE_NOTICE]), ...(isAside ? [ASIDE] : [])];
     root.dataset.preview = String(labelling.isPreview);
     panel.preview.hidden = !labelling.isPreview;
     if (root.dataset.mode !== model.get("mode")) {
@@ -208,7 +236,7 @@ function render({ model, el }) {
       status: model.get("status"),
       error: model.get("error"),
       mode: model.get("mode"),
-      editable: model.get("editable"),
+      editable: model.get("editable") && isLive,
       undo: labelling.undo,
       redo: labelling.redo,
       pending: labelling.pending.operations.length,
@@ -216,7 +244,7 @@ function render({ model, el }) {
       vocabulary: model.get("vocabulary"),
       saveState: model.get("save_state"),
       saveNote: model.get("save_note"),
-      notices: [...lostEdits(), ...model.get("notices")],
+      notices: [...own, ...lostEdits(), ...model.get("notices")],
       quickNames: model.get("quick_names"),
       historyShown: model.get("history_shown"),
       history: model.get("history"),
@@ -231,18 +259,17 @@ function render({ model, el }) {
   }
 
   let lostTimer = 0;
-  let isKernelGone = false;
   /** What to say of edits that nobody answers. @returns {import("./keeping.js").Notice[]} */
   function lostEdits() {
     const { age, operations } = labelling.pending;
     clearTimeout(lostTimer);
     if (operations.length === 0) return [];
-    if (age < LOST_MS && !isKernelGone) {
+    if (age < LOST_MS && connection.isLive()) {
       lostTimer = window.setTimeout(takeState, LOST_MS - age);
       return [];
     }
     const edits = counted(operations.length, "edit");
-    const text = isKernelGone
+    const text = !connection.isLive()
       ? `The kernel has gone before it answered ${edits}. Run the cell again: what was saved is offered there`
       : `No answer from the kernel to ${edits} yet. If it is busy, they will be done; if it was restarted, ` +
         "they are lost: run the cell again";
@@ -251,11 +278,6 @@ function render({ model, el }) {
 
   const onPending = () => take(new Set(/** @type {const} */ (["partition"])));
   labelling.pending.watchers.add(onPending);
-  const onLife = () => {
-    isKernelGone = true;
-    takeState();
-  };
-  on(model, "comm_live_update", onLife, signal);
   signal.addEventListener("abort", () => {
     labelling.pending.watchers.delete(onPending);
     clearTimeout(lostTimer);
@@ -300,12 +322,22 @@ function render({ model, el }) {
   };
   const observer = new ResizeObserver(measure);
   observer.observe(canvas);
+  let asideTimer = 0;
   const onLost = () => {
     view.lose();
     pointing.letGo();
     root.dataset.ready = "false";
+    clearTimeout(asideTimer);
+    asideTimer = window.setTimeout(() => {
+      isAside = true;
+      if (wasSeen && performance.now() - began > PATIENCE_MS) again();
+      else take(new Set());
+    }, ASIDE_MS);
   };
   const onRestored = () => {
+    clearTimeout(asideTimer);
+    isAside = false;
+    take(new Set());
     view.restore();
     root.dataset.ready = "true";
   };
@@ -319,7 +351,16 @@ function render({ model, el }) {
   signal.addEventListener("abort", () => {
     stopTheme();
     observer.disconnect();
+    scrolling.disconnect();
+    clearTimeout(asideTimer);
   });
+  const began = performance.now();
+  let wasSeen = false;
+  const scrolling = new IntersectionObserver(([{ isIntersecting }]) => {
+    if (isIntersecting && !wasSeen && isAside) again();
+    wasSeen = isIntersecting;
+  });
+  scrolling.observe(canvas);
 
   take(new Set(/** @type {const} */ (["geometry", "partition", "values"])));
 

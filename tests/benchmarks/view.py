@@ -1,0 +1,184 @@
+"""What a view costs in a real JupyterLab and a real Chromium without a graphics card.
+
+Prints, for scans of several sizes: from running the cell to the first frame, the handler of a pointer
+movement (also while a cell keeps the kernel busy), the picture of another part that blinks, the picture of a
+camera that moves, and the time from other segments in Python to their picture.
+
+python tests/benchmarks/view.py
+python tests/benchmarks/view.py --faces 10000 100000
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+from scans import in_size, read_scan
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "browser"))
+
+import conftest
+
+CELL = """
+import numpy as np
+from scenewidget.engine.mesh import Mesh
+from scenewidget.widget.scene_view import SceneView
+arrays = np.load({path!r})
+mesh = Mesh(arrays["vertices"], arrays["faces"], arrays["colors"] if "colors" in arrays else None)
+low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+cells = ((mesh.face_centroids - low) / (high - low) * 5).astype(np.int32).clip(0, 4)
+segments = cells @ np.array([25, 5, 1], np.int32)
+halves = 2 * segments + (mesh.face_normals[:, 2] > 0.5)
+"""
+SHOW = """
+view = SceneView(mesh, height=560)
+view.set_partition({"halves": halves, "final": segments}, segments)
+view
+"""
+MERGE = """
+known = np.unique(segments)
+segments = np.where(segments == known[0], known[1], segments)
+view.set_segments(segments)
+"""
+KERNEL = "window.jupyterapp.shell.currentWidget.context.sessionContext.session.kernel"
+WORK = "t = __import__('time'); e = t.time() + 8\\nwhile t.time() < e: pass"
+BUSY = f'() => void {KERNEL}.requestExecute({{ code: "{WORK}" }})'
+# Handlers are measured as the page runs them: everything that a movement does before the next event.
+HOVER = """([root, n]) => {
+    const canvas = root.querySelector("canvas");
+    const box = canvas.getBoundingClientRect();
+    const times = [];
+    for (let i = 0; i < n; i++) {
+        const place = {
+            clientX: box.left + box.width * (0.2 + 0.6 * ((i * 0.618) % 1)),
+            clientY: box.top + box.height * (0.2 + 0.6 * ((i * 0.382) % 1)),
+            bubbles: true,
+        };
+        const began = performance.now();
+        canvas.dispatchEvent(new PointerEvent("pointermove", place));
+        times.push(performance.now() - began);
+    }
+    return times;
+}"""
+# A pixel is read back after each frame, so that its time is that of the finished picture.
+FRAMES = """([root, n, isPressed]) => new Promise(resolve => {
+    const canvas = root.querySelector("canvas");
+    const gl = canvas.getContext("webgl2");
+    const box = canvas.getBoundingClientRect();
+    const times = [];
+    const send = (type, i) => canvas.dispatchEvent(new PointerEvent(type, {
+        clientX: box.left + box.width * (isPressed ? 0.3 + 0.01 * i : 0.2 + 0.6 * ((i * 0.618) % 1)),
+        clientY: box.top + box.height * (isPressed ? 0.5 : 0.2 + 0.6 * ((i * 0.382) % 1)),
+        ...{ bubbles: true, pointerId: 1, button: 0 },
+    }));
+    canvas.setPointerCapture = () => {};
+    if (isPressed) send("pointerdown", 0);
+    const next = (i) => {
+        if (i > n) {
+            if (isPressed) send("pointerup", i);
+            resolve(times);
+            return;
+        }
+        setTimeout(() => {
+            const began = performance.now();
+            send("pointermove", i);
+            requestAnimationFrame(() => {
+                gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+                times.push(performance.now() - began);
+                next(i + 1);
+            });
+        }, 30);
+    };
+    next(1);
+})"""
+
+
+@contextmanager
+def laboratory():
+    """Opens notebooks in a JupyterLab of its own, as the tests of the browser do."""
+    from playwright.sync_api import sync_playwright
+
+    class Factory:
+        def mktemp(self, name):
+            return Path(tempfile.mkdtemp(prefix=f"{name}-"))
+
+    chromium = next(
+        path for name in ("chromium", "chromium-browser") if (path := conftest.shutil.which(name))
+    )
+    server = conftest.jupyter.__wrapped__(Factory(), chromium)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=conftest.FLAGS)
+        try:
+            yield next(server), browser.new_context(viewport={"width": 1100, "height": 900})
+        finally:
+            browser.close()
+            next(server, None)
+
+
+def milliseconds(times: list[float]) -> str:
+    """Median and 95th percentile."""
+    return "{:7.2f} {:7.2f}".format(*np.quantile(times, [0.5, 0.95]))
+
+
+def measure(server, context, path: Path) -> dict[str, str]:
+    """One row of the table."""
+    book = conftest.Notebook(context.new_page(), server)
+    book.open([CELL.format(path=str(path)), SHOW])
+    run = "() => window.jupyterapp.commands.execute('notebook:run-cell-and-select-next')"
+    book.page.evaluate(run)
+    book.wait_for("'halves' in globals()", True, timeout=120)
+    began = time.perf_counter()
+    book.page.evaluate(run)
+    view = book.view(timeout=120)
+    first = time.perf_counter() - began
+    view.settle()
+    book.page.wait_for_timeout(3000)  # the stand-in for movements is made meanwhile
+    root = view.root.element_handle()
+    row = {"first frame (s)": f"{first:.2f}"}
+    book.page.evaluate(HOVER, [root, 50])
+    row["hover (ms)"] = milliseconds(book.page.evaluate(HOVER, [root, 400]))
+    row["another part blinks (ms)"] = milliseconds(book.page.evaluate(FRAMES, [root, 30, False]))
+    row["camera moves (ms)"] = milliseconds(book.page.evaluate(FRAMES, [root, 30, True]))
+    view.settle()
+    n_segments, times = int(view.state("segments")), []
+    for _ in range(10):
+        began = time.perf_counter()
+        book.execute(MERGE)
+        view.wait("segments", str(n_segments := n_segments - 1))
+        book.page.evaluate("() => new Promise(resolve => requestAnimationFrame(resolve))")
+        times.append(1000 * (time.perf_counter() - began))
+    row["other segments, from Python (ms)"] = milliseconds(times)
+    book.page.evaluate(BUSY)
+    row["hover, kernel busy (ms)"] = milliseconds(book.page.evaluate(HOVER, [root, 400]))
+    book.page.wait_for_function(f"() => {KERNEL}.status === 'idle'", timeout=60_000)
+    if book.errors:
+        print("errors:", *book.errors, sep="\n  ")
+    book.close()
+    return row
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("scan", nargs="?", type=Path, default=Path("bedroom.ply"))
+    parser.add_argument("--faces", type=int, nargs="+", default=[10_000, 100_000, 1_500_000])
+    arguments = parser.parse_args()
+    scan = read_scan(arguments.scan)
+    with tempfile.TemporaryDirectory() as folder, laboratory() as (server, context):
+        for n_faces in arguments.faces:
+            mesh = in_size(scan, n_faces)
+            path = Path(folder) / f"{n_faces}.npz"
+            colors = {} if mesh.vertex_colors is None else {"colors": mesh.vertex_colors}
+            np.savez(path, vertices=mesh.vertices, faces=mesh.faces, **colors)
+            print(f"\n{mesh.n_faces} faces; of two numbers, the median and the 95th percentile")
+            for name, value in measure(server, context, path).items():
+                print(f"  {name:32}{value}")
+
+
+if __name__ == "__main__":
+    main()

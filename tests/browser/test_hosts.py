@@ -1,0 +1,178 @@
+"""The widget in other hosts than JupyterLab: Notebook 7 and Voila, each a real server."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import secrets
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from conftest import START_SECONDS, Notebook, Server, View, _answers
+from test_editor import WIDGET, Editor
+from test_view import LABELLED, colors
+
+TELLING = """
+import ipywidgets
+told = ipywidgets.Label("nothing yet")
+view.observe(lambda change: setattr(told, "value", f"outlines {change['new']}"), "outlines")
+ipywidgets.VBox([view, told])
+"""
+
+
+@contextlib.contextmanager
+def serving(home: Path, command: list[str], ready: str) -> Iterator[None]:
+    """A server process, from when it answers until the end of the block."""
+    own = {f"JUPYTER_{kind}_DIR": str(home / kind.lower()) for kind in ("CONFIG", "DATA", "RUNTIME")}
+    log = home / "log.txt"
+    with log.open("w") as output:
+        process = subprocess.Popen(
+            command, env={**os.environ, **own}, stdout=output, stderr=subprocess.STDOUT, cwd=home
+        )
+    try:
+        deadline = time.monotonic() + START_SECONDS
+        while not _answers(ready):
+            if process.poll() is not None or time.monotonic() > deadline:
+                pytest.fail(f"{command[2]} did not start:\n{log.read_text()[-3000:]}", pytrace=False)
+            time.sleep(0.1)
+        yield
+    finally:
+        process.terminate()
+        try:
+            process.wait(10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+@pytest.fixture(scope="module")
+def classic(tmp_path_factory, chromium):
+    """A Notebook 7."""
+    pytest.importorskip("notebook")
+    home, port, token = tmp_path_factory.mktemp("notebook"), free_port(), secrets.token_hex(16)
+    command = [
+        *(sys.executable, "-m", "notebook", "--no-browser", "--allow-root", "--expose-app-in-browser"),
+        *("--ServerApp.ip=127.0.0.1", f"--ServerApp.port={port}", "--ServerApp.port_retries=0"),
+        *(f"--IdentityProvider.token={token}", f"--ServerApp.root_dir={home}"),
+    ]
+    server = Server(f"http://127.0.0.1:{port}", token, home)
+    with serving(home, command, f"{server.url}/api/status?token={token}"):
+        yield server
+
+
+class Classic(Notebook):
+    """A notebook in a page of Notebook 7."""
+
+    def open_file(self, name):
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("console", self._listen)
+        self.page.goto(f"{self.server.url}/notebooks/{name}?token={self.server.token}")
+        self.page.wait_for_function(
+            """() => window.jupyterapp?.shell.currentWidget?.context?.sessionContext
+                ?.session?.kernel?.status === 'idle'""",
+            timeout=60_000,
+        )
+
+
+@pytest.fixture
+def book(classic, profile):
+    """Opens a notebook in Notebook 7: `book(["cell", ...])`."""
+    page = profile.new_page()
+    page.set_viewport_size({"width": 1100, "height": 900})
+    opened = Classic(page, classic)
+
+    def open_book(cells):
+        opened.open(cells)
+        opened.run_all()
+        return opened
+
+    yield open_book
+    assert [error for error in opened.errors if "scenewidget" in error or "WebGL" in error] == []
+    opened.close()
+
+
+def test_notebook_7_shows_points_and_tells_python(book):
+    opened = book([LABELLED + "view"])
+    view = opened.view(timeout=60)
+    view.settle()
+    assert colors(view.pixels()) >= 3
+    part, place = next((part, place) for part, place in view.parts().items() if part)
+    view.point(*place)
+    view.wait("hovered", part)
+    view.root.get_by_role("button", name="Outlines").click()
+    opened.wait_for("view.outlines", False)
+    view.page.mouse.click(*_on_page(view, place), button="right")
+    assert view.page.locator(".lm-Menu").count() == 0
+    view.page.keyboard.press("b")
+    opened.wait_for("view.back_faces", True)
+    assert view.page.locator(".jp-Notebook .jp-Cell").count() == 1
+
+
+def test_notebook_7_edits(book):
+    opened = book([WIDGET])
+    opened.view(timeout=60)
+    editor = Editor(opened)
+    (_, start), (_, end) = editor.ends()
+    editor.view.drag(start, end)
+    editor.settled(editor.n - 1)
+    editor.page.keyboard.press("Control+z")
+    editor.settled(editor.n)
+
+
+@pytest.fixture(scope="module")
+def voila(tmp_path_factory, chromium):
+    """A Voila that serves a folder."""
+    pytest.importorskip("voila")
+    home, port = tmp_path_factory.mktemp("voila"), free_port()
+    command = [
+        *(sys.executable, "-m", "voila", "--no-browser", f"--port={port}", "--Voila.ip=127.0.0.1"),
+        *(f"--Voila.root_dir={home}", "--Voila.open_browser=False", "--token="),
+    ]
+    with serving(home, command, f"http://127.0.0.1:{port}/voila/tree"):
+        yield Server(f"http://127.0.0.1:{port}", "", home)
+
+
+def test_voila_shows_points_and_tells_python(voila, profile):
+    cell = {
+        **{"cell_type": "code", "id": "c0", "metadata": {}, "outputs": [], "execution_count": None},
+        "source": LABELLED + TELLING,
+    }
+    kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
+    content = {"cells": [cell], "metadata": kernel, "nbformat": 4, "nbformat_minor": 5}
+    (voila.folder / "room.ipynb").write_text(json.dumps(content))
+    page = profile.new_page()
+    page.set_viewport_size({"width": 1100, "height": 700})
+    errors = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.goto(f"{voila.url}/voila/render/room.ipynb", timeout=120_000)
+    root = page.locator(".scenewidget")
+    root.wait_for(timeout=120_000)
+    view = View(page, root)
+    view.wait("ready", "true", timeout=60)
+    view.settle()
+    assert view.state("live") == "true"
+    assert colors(view.pixels()) >= 3
+    part, place = next((part, place) for part, place in view.parts().items() if part)
+    view.point(*place)
+    view.wait("hovered", part)
+    view.root.get_by_role("button", name="Outlines").click()
+    page.get_by_text("outlines False").wait_for()
+    assert errors == []
+    page.close()
+
+
+def _on_page(view, place):
+    box = view.root.locator("canvas").bounding_box()
+    return box["x"] + place[0], box["y"] + place[1]
