@@ -264,6 +264,13 @@ class SceneWidget(widgets.VBox):
             n = len(session.history)
             self._end(f"Restored {n} step{'' if n == 1 else 's'} from {Path(path).name}")
 
+    def to_html(self, path: str | os.PathLike[str], *, title: str = "") -> Path:
+        """Save the picture as one file that a browser opens without Python and without a network.
+
+        Everything works in it but editing and computing; see `SceneView.to_html`.
+        """
+        return self.view.to_html(path, title=title or repr(self))
+
     def cancel(self) -> None:
         """Stop the computation; the last good result stays."""
         self._worker.cancel()

@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
 import secrets
-import socket
-import subprocess
 import sys
-import time
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
-from conftest import START_SECONDS, Notebook, Server, View, _answers
+from conftest import Notebook, Server, View, serve
 from test_editor import WIDGET, Editor
 from test_view import LABELLED, colors
 
@@ -26,50 +19,19 @@ ipywidgets.VBox([view, told])
 """
 
 
-@contextlib.contextmanager
-def serving(home: Path, command: list[str], ready: str) -> Iterator[None]:
-    """A server process, from when it answers until the end of the block."""
-    own = {f"JUPYTER_{kind}_DIR": str(home / kind.lower()) for kind in ("CONFIG", "DATA", "RUNTIME")}
-    log = home / "log.txt"
-    with log.open("w") as output:
-        process = subprocess.Popen(
-            command, env={**os.environ, **own}, stdout=output, stderr=subprocess.STDOUT, cwd=home
-        )
-    try:
-        deadline = time.monotonic() + START_SECONDS
-        while not _answers(ready):
-            if process.poll() is not None or time.monotonic() > deadline:
-                pytest.fail(f"{command[2]} did not start:\n{log.read_text()[-3000:]}", pytrace=False)
-            time.sleep(0.1)
-        yield
-    finally:
-        process.terminate()
-        try:
-            process.wait(10)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
 @pytest.fixture(scope="module")
 def classic(tmp_path_factory, chromium):
     """A Notebook 7."""
     pytest.importorskip("notebook")
-    home, port, token = tmp_path_factory.mktemp("notebook"), free_port(), secrets.token_hex(16)
+    home, token = tmp_path_factory.mktemp("notebook"), secrets.token_hex(16)
     command = [
         *(sys.executable, "-m", "notebook", "--no-browser", "--allow-root", "--expose-app-in-browser"),
-        *("--ServerApp.ip=127.0.0.1", f"--ServerApp.port={port}", "--ServerApp.port_retries=0"),
+        *("--ServerApp.ip=127.0.0.1", "--ServerApp.port={port}", "--ServerApp.port_retries=0"),
         *(f"--IdentityProvider.token={token}", f"--ServerApp.root_dir={home}"),
     ]
-    server = Server(f"http://127.0.0.1:{port}", token, home)
-    with serving(home, command, f"{server.url}/api/status?token={token}"):
-        yield server
+    own = {f"JUPYTER_{kind}_DIR": str(home / kind.lower()) for kind in ("CONFIG", "DATA", "RUNTIME")}
+    with serve(command, home, f"/api/status?token={token}", env=own) as url:
+        yield Server(url, token, home)
 
 
 class Classic(Notebook):
@@ -135,13 +97,13 @@ def test_notebook_7_edits(book):
 def voila(tmp_path_factory, chromium):
     """A Voila that serves a folder."""
     pytest.importorskip("voila")
-    home, port = tmp_path_factory.mktemp("voila"), free_port()
+    home = tmp_path_factory.mktemp("voila")
     command = [
-        *(sys.executable, "-m", "voila", "--no-browser", f"--port={port}", "--Voila.ip=127.0.0.1"),
-        *(f"--Voila.root_dir={home}", "--Voila.open_browser=False", "--token="),
+        *(sys.executable, "-m", "voila", "--no-browser", "--port={port}", "--token="),
+        *("--Voila.ip=127.0.0.1", f"--Voila.root_dir={home}"),
     ]
-    with serving(home, command, f"http://127.0.0.1:{port}/voila/tree"):
-        yield Server(f"http://127.0.0.1:{port}", "", home)
+    with serve(command, home, "/voila/static/voila.js") as url:
+        yield Server(url, "", home)
 
 
 def test_voila_shows_points_and_tells_python(voila, profile):

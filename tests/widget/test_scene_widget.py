@@ -323,3 +323,11 @@ def test_worker_reports_nothing_of_a_task_that_was_replaced():
     worker.submit(lambda *_: "new")
     assert worker.wait(10)
     assert told == ["new"]
+
+
+def test_the_picture_can_be_saved_as_a_page(widget, tmp_path):
+    widget.wait(60)
+    path = widget.to_html(tmp_path / "room.html")
+    page = path.read_text(encoding="utf-8")
+    assert f"<title>{widget!r}</title>" in page
+    assert '"editable":false' in page
