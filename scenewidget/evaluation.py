@@ -28,7 +28,7 @@ from scenewidget.metrics import (
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["METRICS", "evaluate", "reliability"]
+__all__ = ["METRICS", "checked_truth", "evaluate", "reliability"]
 
 By = Literal["faces", "area"]
 
@@ -90,7 +90,7 @@ def evaluate(
     """
     import pandas as pd
 
-    mesh, actual = _check_truth(truth, mesh)
+    mesh, actual = checked_truth(truth, mesh)
     columns = _check_metrics(metrics)
     if by not in ("faces", "area"):
         raise ValueError(f"by must be 'faces' or 'area', got {by!r}")
@@ -134,7 +134,7 @@ def reliability(
         raise TypeError(f"segmentation must be a Segmentation, got {type(segmentation).__name__}")
     if isinstance(n_bins, bool) or not isinstance(n_bins, (int, np.integer)) or n_bins < 1:
         raise ValueError(f"n_bins must be a whole number from 1, got {n_bins!r}")
-    _, actual = _check_truth(truth, segmentation.mesh)
+    _, actual = checked_truth(truth, segmentation.mesh)
     keep = (segmentation.labels >= 0) & (actual >= 0)
     label = segmentation.labels[keep]
     size = np.bincount(label, minlength=segmentation.n_segments)[label]
@@ -188,7 +188,8 @@ def _count(labels: IntArray) -> int:
 # --- checks ---------------------------------------------------------------------------------------
 
 
-def _check_truth(truth: Any, mesh: Mesh | None) -> tuple[Mesh, IntArray]:
+def checked_truth(truth: Any, mesh: Mesh | None) -> tuple[Mesh, IntArray]:
+    """The mesh and its true labels per face; TypeError or ValueError if they can't be."""
     if mesh is None:
         if not isinstance(truth, Segmentation):
             raise TypeError("mesh is needed when truth is an array: evaluate(segmentations, truth, mesh)")

@@ -18,6 +18,7 @@ Conventions that every function here shares:
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -37,7 +38,9 @@ __all__ = [
     "global_consistency_error",
     "hamming_distance",
     "local_consistency_error",
+    "match_segments",
     "mean_iou",
+    "quick_scores",
     "rand_index_error",
     "variation_of_information",
 ]
@@ -78,7 +81,10 @@ def rand_index_error(
     Rand (1971), Journal of the American Statistical Association 66(336). The thesis' factor in front of
     the sum is the reciprocal of the number of pairs.
     """
-    table = _contingency(a, b, weights, unlabeled)
+    return _rand_error(_contingency(a, b, weights, unlabeled))
+
+
+def _rand_error(table: _Contingency) -> float:
     n = table.n
     apart = (n * (table.r[table.i] - n)).sum() + (n * (table.s[table.j] - n)).sum()
     pairs = table.total**2 - table.squares.sum()
@@ -111,7 +117,10 @@ def global_consistency_error(
     ----------
     Martin, Fowlkes, Tal and Malik (2001), ICCV.
     """
-    table = _contingency(a, b, weights, unlabeled)
+    return _global_error(_contingency(a, b, weights, unlabeled))
+
+
+def _global_error(table: _Contingency) -> float:
     of_a, of_b = _refinement_errors(table)
     return float(min((table.n * of_a).sum(), (table.n * of_b).sum()) / table.total)
 
@@ -139,7 +148,10 @@ def local_consistency_error(
     ----------
     Martin, Fowlkes, Tal and Malik (2001), ICCV.
     """
-    table = _contingency(a, b, weights, unlabeled)
+    return _local_error(_contingency(a, b, weights, unlabeled))
+
+
+def _local_error(table: _Contingency) -> float:
     of_a, of_b = _refinement_errors(table)
     return float((table.n * np.minimum(of_a, of_b)).sum() / table.total)
 
@@ -274,9 +286,75 @@ def mean_iou(a: Labels, b: Labels, weights: FloatArray | None = None, unlabeled:
     score : float
         In (0, 1], **higher is better**.
     """
-    table = _contingency(a, b, weights, unlabeled)
+    return _mean_iou(_contingency(a, b, weights, unlabeled))
+
+
+def _mean_iou(table: _Contingency) -> float:
     iou = table.n / (table.r[table.i] + table.s[table.j] - table.n)
     return _matching_sum(table.i, table.j, iou, len(table.r), len(table.s)) / len(table.s)
+
+
+def match_segments(a: Labels, b: Labels, counts: IntArray | None = None) -> IntArray:
+    """Partner in `b` of each segment of `a`, so that the sum of intersection over union is largest.
+
+    Parameters
+    ----------
+    a, b : (n,) int or Segmentation
+    counts : (n,) int, optional
+        How many equal items each entry stands for; 1 by default.
+
+    Returns
+    -------
+    partner : (n_a,) int
+        Label in `b` for each label of `a`, one partner each; −1 where there is none.
+    """
+    left, right = _label_pair(a, b)
+    weight = None if counts is None else _check_weights(counts, len(left))
+    n_left, n_right = int(left.max(initial=-1)) + 1, int(right.max(initial=-1)) + 1
+    partner = np.full(n_left, -1)
+    keep = (left >= 0) & (right >= 0)
+    if not keep.any():
+        return partner
+    value = np.ones(int(keep.sum())) if weight is None else weight[keep]
+    shape = (n_left, n_right)
+    cells = sparse.coo_array((value, (left[keep], right[keep])), shape=shape).tocsr().tocoo()
+    i, j, n = cells.row, cells.col, cells.data
+    r, s = np.bincount(i, n, n_left), np.bincount(j, n, n_right)
+    rows, columns = _matching(i, j, n / (r[i] + s[j] - n), n_left, n_right)
+    partner[rows] = columns
+    return partner
+
+
+def quick_scores(a: Labels, b: Labels, counts: IntArray | None = None) -> dict[str, float]:
+    """The measures that one contingency table gives: fast enough to follow a person's edits.
+
+    Parameters
+    ----------
+    a, b : (n,) int or Segmentation
+        `b` is the truth.
+    counts : (n,) int, optional
+        How many equal items each entry stands for; 1 by default. So a million faces can be given as the few
+        thousand different combinations of labels that they have.
+
+    Returns
+    -------
+    scores : dict
+        ``rand_index_error``, ``global_consistency_error``, ``local_consistency_error``, ``mean_iou`` over
+        the items that both label, nan if there are none; and ``coverage``, the share of what `b` labels
+        that `a` labels too.
+    """
+    left, right = _label_pair(a, b)
+    weight = np.ones(len(left)) if counts is None else _check_weights(counts, len(left))
+    known, both = right >= 0, (left >= 0) & (right >= 0)
+    total = float(weight[known].sum())
+    coverage = float(weight[both].sum()) / total if total > 0 else float("nan")
+    names = ("rand_index_error", "global_consistency_error", "local_consistency_error", "mean_iou")
+    if not weight[both].sum() > 0:
+        return dict.fromkeys(names, float("nan")) | {"coverage": coverage}
+    table = _contingency(left, right, weight, "drop")
+    table = dataclasses.replace(table, squares=table.n)  # each item is one of many, with a weight of 1
+    values = (_rand_error(table), _global_error(table), _local_error(table), _mean_iou(table))
+    return dict(zip(names, values)) | {"coverage": coverage}
 
 
 # --- cuts -----------------------------------------------------------------------------------------
@@ -455,28 +533,51 @@ def _refinement_errors(table: _Contingency) -> tuple[FloatArray, FloatArray]:
 
 def _matching_sum(i: IntArray, j: IntArray, value: FloatArray, n_rows: int, n_columns: int) -> float:
     """Largest sum of values over cells with no two in a row or column."""
+    rows, columns = _matching(i, j, value, n_rows, n_columns)
+    return float(sparse.csr_array((value, (i, j)), shape=(n_rows, n_columns))[rows, columns].sum())
+
+
+def _matching(
+    i: IntArray, j: IntArray, value: FloatArray, n_rows: int, n_columns: int
+) -> tuple[IntArray, IntArray]:
+    """Cells of the largest sum of values with no two in a row or column: their rows and columns."""
     keep = _undominated(i, j, value, n_rows)
     i, j, value = i[keep], j[keep], value[keep]
     keep = _undominated(j, i, value, n_columns)
     i, j, value = i[keep], j[keep], value[keep]
     is_alone = (np.bincount(i, minlength=n_rows)[i] == 1) & (np.bincount(j, minlength=n_columns)[j] == 1)
-    total = float(value[is_alone].sum())
+    alone = (i[is_alone], j[is_alone])
     i, j, value = i[~is_alone], j[~is_alone], value[~is_alone]
     if len(value) == 0:
-        return total
+        return alone
+    row_names, column_names = np.unique(i), np.unique(j)
     (i, n_rows), (j, n_columns) = _renumber(i), _renumber(j)
     if n_rows * n_columns <= DENSE_CELLS:
         dense = np.zeros((n_rows, n_columns))
         dense[i, j] = value
-        return total + float(dense[linear_sum_assignment(dense, maximize=True)].sum())
+        rows, columns = linear_sum_assignment(dense, maximize=True)
+        keep = dense[rows, columns] > 0
+        rows, columns = rows[keep], columns[keep]
+    else:
+        rows, columns = _sparse_matching(i, j, value, n_rows, n_columns)
+    return (
+        np.concatenate([alone[0], row_names[rows]]),
+        np.concatenate([alone[1], column_names[columns]]),
+    )
+
+
+def _sparse_matching(
+    i: IntArray, j: IntArray, value: FloatArray, n_rows: int, n_columns: int
+) -> tuple[IntArray, IntArray]:
     # Each row may also take a column of its own that is worth 0; costs are shifted by 2 because an
     # explicit 0 is no edge to scipy.
     rows = np.concatenate([i, np.arange(n_rows)])
     columns = np.concatenate([j, n_columns + np.arange(n_rows)])
     cost = np.concatenate([2.0 - value, np.full(n_rows, 2.0)])
     graph = sparse.csr_array((cost, (rows, columns)), shape=(n_rows, n_columns + n_rows))
-    matched = csgraph.min_weight_full_bipartite_matching(graph)
-    return total + float(2.0 * n_rows - graph[matched].sum())
+    matched_rows, matched = csgraph.min_weight_full_bipartite_matching(graph)
+    keep = matched < n_columns
+    return matched_rows[keep], matched[keep]
 
 
 def _undominated(i: IntArray, j: IntArray, value: FloatArray, n_rows: int) -> BoolArray:

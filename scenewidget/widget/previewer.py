@@ -6,12 +6,12 @@ those asked for meanwhile only the newest is computed next. The session is never
 
 from __future__ import annotations
 
-import logging
 import threading
 
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
 from scenewidget.widget.scene_view import SceneView
+from scenewidget.widget.worker import Newest
 
 __all__ = ["Previewer", "coarser", "preview_params"]
 
@@ -32,24 +32,22 @@ class Previewer:
 
     def __init__(self, pipeline: Pipeline, view: SceneView, lock: threading.RLock) -> None:
         self._pipeline, self._view, self._lock = pipeline, view, lock
-        self._condition = threading.Condition()
-        self._wanted: Params | None = None
+        self._runner = Newest("scenewidget-preview")
         self._is_open = False  # somebody is trying
         self._epoch = 0  # answers to questions of an earlier one are dropped
-        self._thread: threading.Thread | None = None
 
     def ask(self, params: Params) -> None:
         """Show these parameters soon, unless others are asked for before."""
-        with self._condition:
-            self._wanted, self._is_open = params, True
-            if self._thread is None:
-                self._thread = threading.Thread(target=self._run, name="scenewidget-preview", daemon=True)
-                self._thread.start()
+        with self._lock:
+            self._is_open = True
+            epoch = self._epoch
+        self._runner.submit(lambda: self._show(params, epoch))
 
     def stop(self) -> None:
         """Take no more answers; the preview that is shown stays until `end`."""
-        with self._condition:
-            self._wanted, self._is_open = None, False
+        self._runner.drop()
+        with self._lock:
+            self._is_open = False
             self._epoch += 1
 
     def end(self) -> None:
@@ -60,33 +58,23 @@ class Previewer:
 
     def settle(self) -> None:
         """Show the segments again, unless somebody has begun to try anew."""
-        with self._condition:
-            is_open = self._is_open
-        if not is_open:
-            self.end()
+        with self._lock:
+            if not self._is_open:
+                self.end()
 
     def wait(self, timeout: float | None = None) -> bool:
         """Block until nothing is being computed; False if the time ran out first."""
-        with self._condition:
-            return self._condition.wait_for(lambda: self._thread is None, timeout)
+        return self._runner.wait(timeout)
 
-    def _run(self) -> None:
-        while True:
-            with self._condition:
-                params, epoch, self._wanted = self._wanted, self._epoch, None
-                if params is None:
-                    self._thread = None
-                    self._condition.notify_all()
-                    return
-            try:
-                items = self._pipeline.get("items", params)
-                labels, _ = self._pipeline.get("finish", params)
-            except Exception:  # the full computation will say what is wrong
-                logging.getLogger(__name__).debug("no preview", exc_info=True)
-                continue
-            with self._lock:
-                if epoch == self._epoch:
-                    self._view.show_preview(items, labels)
+    def _show(self, params: Params, epoch: int) -> None:
+        try:
+            items = self._pipeline.get("items", params)
+            labels, _ = self._pipeline.get("finish", params)
+        except (ValueError, MemoryError):  # the full computation will say what is wrong
+            return
+        with self._lock:
+            if epoch == self._epoch:
+                self._view.show_preview(items, labels)
 
 
 def preview_params(pipeline: Pipeline, wanted: Params, shown: Params) -> Params:

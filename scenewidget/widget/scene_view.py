@@ -6,10 +6,10 @@ cross as *atoms*, the common refinement of all levels and segments, so that an e
 
 State, synced both ways (observe or set any of them)
 ----------------------------------------------------
-``color_by`` : "segments", "parts", "confidence", "values", "normals", "scan", "shaded"
-    What a face's colour tells: its segment, its part at ``level``, how sure the segmentation is of it, the
-    number of `set_values`, which way it faces, the scan's vertex colours, or nothing. Starts as the scan; the
-    first `set_partition` switches it to segments.
+``color_by`` : "segments", "parts", "confidence", "errors", "values", "normals", "scan", "shaded"
+    What a face's colour tells: its segment, its part at ``level``, how sure the segmentation is of it,
+    whether its label is right (`set_errors`), the number of `set_values`, which way it faces, the scan's
+    vertex colours, or nothing. Starts as the scan; the first `set_partition` switches it to segments.
 ``color_mix`` : 0 to 1
     1 = those colours alone, 0 = only the scan below them.
 ``level`` : name of a level
@@ -156,7 +156,7 @@ class SceneView(anywidget.AnyWidget):
     _css = traitlets.Unicode().tag(sync=True)
 
     color_by = traitlets.Enum(
-        ("segments", "parts", "confidence", "values", "normals", "scan", "shaded"), "shaded"
+        ("segments", "parts", "confidence", "errors", "values", "normals", "scan", "shaded"), "shaded"
     ).tag(sync=True)
     color_mix = traitlets.Float(1.0, min=0.0, max=1.0).tag(sync=True)
     level = traitlets.Unicode().tag(sync=True)
@@ -173,6 +173,7 @@ class SceneView(anywidget.AnyWidget):
     vocabulary = traitlets.List(traitlets.Unicode()).tag(sync=True)
     undo_title = traitlets.Unicode().tag(sync=True)
     redo_title = traitlets.Unicode().tag(sync=True)
+    errors_title = traitlets.Unicode(read_only=True).tag(sync=True)
     camera_group = traitlets.Unicode().tag(sync=True)
     height = traitlets.Int(560, min=120).tag(sync=True)
     busy = traitlets.Bool(False).tag(sync=True)
@@ -213,6 +214,7 @@ class SceneView(anywidget.AnyWidget):
     _atom_confidence = traitlets.Bytes().tag(sync=True)
     _face_value = traitlets.Bytes().tag(sync=True)
     _colormap = traitlets.Bytes().tag(sync=True)
+    _face_error = traitlets.Bytes().tag(sync=True)
     _face_item = traitlets.Bytes().tag(sync=True)
     _preview_segment = traitlets.Bytes().tag(sync=True)
     _preview_colors = traitlets.Bytes().tag(sync=True)
@@ -451,6 +453,23 @@ class SceneView(anywidget.AnyWidget):
             self._put("colormap", _colormap_table(colormap))
             self.set_trait("values_legend", {"title": title, "low": low, "high": high})
             self.color_by = "values"
+
+    def offer_errors(self, title: str) -> None:
+        """Let ``color_by="errors"`` be chosen; whoever offers it calls `set_errors` once it is.
+
+        Parameters
+        ----------
+        title : str
+            Of the legend.
+        """
+        self.set_trait("errors_title", title)
+
+    def set_errors(self, errors: npt.ArrayLike) -> None:
+        """What ``color_by="errors"`` shows, (n_faces,): 0 unknown, 1 right, 2 wrong."""
+        verdicts = np.asarray(errors)
+        if verdicts.shape != (self.mesh.n_faces,) or verdicts.min() < 0 or verdicts.max() > 2:
+            raise ValueError(f"errors must be 0, 1 or 2 for each of the {self.mesh.n_faces} faces")
+        self._put("face_error", verdicts.astype(np.uint8))
 
     def show_preview(self, items: Items, item_labels: IntArray) -> None:
         """Show other segments for the moment; those of `set_partition` come back with `end_preview`.

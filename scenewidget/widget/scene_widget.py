@@ -20,7 +20,7 @@ import traitlets
 
 from scenewidget.editing.session import Session
 from scenewidget.editing.vocabulary import chosen_vocabulary
-from scenewidget.engine.mesh import Mesh
+from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import Segmentation
@@ -29,7 +29,8 @@ from scenewidget.widget.editor import Editor
 from scenewidget.widget.keeper import Keeper
 from scenewidget.widget.previewer import Previewer, preview_params
 from scenewidget.widget.scene_view import SceneView
-from scenewidget.widget.worker import Worker
+from scenewidget.widget.scoring import Scorer, score_rows
+from scenewidget.widget.worker import Newest, Worker
 
 __all__ = ["SceneWidget"]
 
@@ -72,6 +73,9 @@ class SceneWidget(widgets.VBox):
     mesh : Mesh, path, trimesh.Trimesh or (vertices, faces)
     params : Params, optional
         `Params()` by default.
+    truth : Segmentation or (n_faces,) int, optional
+        What the segments are compared with after every result and every edit: a line of errors below the
+        picture, ``scores``, and the colours "errors".
     height : int
         Of the picture, in pixels.
     autosave : bool or path
@@ -91,6 +95,8 @@ class SceneWidget(widgets.VBox):
     session : Session or None
         The corrections, which scripts can make too: ``w.session.merge(face, onto_face)``.
     busy : bool
+    scores : dict of str to float
+        What `metrics.quick_scores` says of the segments as they are now; empty without a truth.
     view : SceneView
         The picture: colours, level, camera.
     controls : ParamsControls
@@ -108,12 +114,14 @@ class SceneWidget(widgets.VBox):
     params = traitlets.Instance(Params)
     segmentation = _LiveSegmentation(Segmentation, allow_none=True)
     busy = traitlets.Bool(False, read_only=True)
+    scores: Any = traitlets.Dict(read_only=True)
 
     def __init__(
         self,
         mesh: Mesh | Any,
         params: Params | None = None,
         *,
+        truth: Segmentation | IntArray | None = None,
         height: int = 560,
         autosave: bool | str | os.PathLike[str] = True,
         vocabulary: str | Sequence[str] | None = None,
@@ -122,6 +130,8 @@ class SceneWidget(widgets.VBox):
             raise TypeError(f"params must be a Params, got {type(params).__name__}")
         params = params or Params()
         self.pipeline = Pipeline(mesh)
+        self._scorer = None if truth is None else Scorer(self.pipeline.mesh, truth)
+        self._scoring = Newest("scenewidget-scores")
         channel = secrets.token_hex(8)
         self.view = SceneView(self.pipeline.mesh, height=height, editable=True, _channel=channel)
         self.controls = ParamsControls(params, _channel=channel)
@@ -144,6 +154,9 @@ class SceneWidget(widgets.VBox):
         super().__init__([self.view, self.controls], params=params)
         self.view.on_msg(self._handle_message)
         self.controls.connect(on_move=self._preview, on_leave=self._previewer.end, on_rerun=self._compute)
+        if self._scorer is not None:
+            self.view.offer_errors("Errors against the truth")
+            self.view.observe(lambda _: self._scoring.submit(self._score), "color_by")
         self.observe(self._take_params, "params")
         self.controls.observe(lambda change: self.set_trait("params", change["new"]), "params")
         self._compute()
@@ -200,6 +213,7 @@ class SceneWidget(widgets.VBox):
         """
         if not self._worker.wait(timeout):
             raise TimeoutError(f"still {self.view.status or 'computing'!r} after {timeout:g} seconds")
+        self._scoring.wait(timeout)
         with self._lock:
             if self._error is not None:
                 raise self._error
@@ -318,6 +332,8 @@ class SceneWidget(widgets.VBox):
 
     def _take_edit(self) -> None:
         """The session has changed: whoever observes the segmentation is told, others get it when they ask."""
+        if self._scorer is not None:
+            self._scoring.submit(self._score)
         if self._is_observed:
             self._catch_up()
 
@@ -326,6 +342,22 @@ class SceneWidget(widgets.VBox):
         session = self.session
         if session is not None:
             self.set_trait("segmentation", session.segmentation)
+
+    def _score(self) -> None:
+        """Compare the segments as they are now with the truth; in a thread of its own."""
+        session, scorer = self.session, self._scorer
+        if session is None or scorer is None:
+            return
+        state = session.snapshot()
+        scores = scorer.scores(state.atoms, state.labels)
+        wanted = self.view.color_by == "errors"
+        errors = scorer.errors(state.atoms, state.labels) if wanted else None
+        with self._lock:
+            if scores != self.scores:
+                self.controls.show_scores(score_rows(scores, self.scores))
+                self.set_trait("scores", scores)
+            if errors is not None:
+                self.view.set_errors(errors)
 
     def _show_progress(self, stage: str, fraction: float) -> None:
         with self._lock, self.view.hold_sync():

@@ -6,13 +6,14 @@ news that it was cancelled, by callbacks from the worker's thread, never from a 
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable
 from typing import Any
 
 from scenewidget.engine.monitor import Cancelled
 
-__all__ = ["Worker"]
+__all__ = ["Newest", "Worker"]
 
 Task = Callable[[Callable[[str, float], None], threading.Event], Any]
 
@@ -105,6 +106,50 @@ class Worker:
         except BaseException as error:  # handed to whoever waits; a thread must not die silently
             if not was_replaced():
                 self._on_error(error)
+
+
+class Newest:
+    """Runs tasks off the main thread; of those that come while one runs, only the last is run next.
+
+    Unlike a `Worker`, it never stops what runs: for short tasks whose every answer is worth having.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._condition = threading.Condition()
+        self._pending: Callable[[], None] | None = None
+        self._thread: threading.Thread | None = None
+
+    def submit(self, task: Callable[[], None]) -> None:
+        """Run a task soon, unless another is submitted before."""
+        with self._condition:
+            self._pending = task
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
+                self._thread.start()
+
+    def drop(self) -> None:
+        """Forget what waits to run."""
+        with self._condition:
+            self._pending = None
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Block until nothing runs or waits; False if the time ran out first."""
+        with self._condition:
+            return self._condition.wait_for(lambda: self._thread is None, timeout)
+
+    def _run(self) -> None:
+        while True:
+            with self._condition:
+                task, self._pending = self._pending, None
+                if task is None:
+                    self._thread = None
+                    self._condition.notify_all()
+                    return
+            try:
+                task()
+            except Exception:  # nobody waits for it, and the next task must run
+                logging.getLogger(__name__).exception("%s failed", self._name)
 
 
 def _stop_at_once(*_: object) -> None:

@@ -3,6 +3,7 @@
 import { ASIDE, GONE_NOTICE, watchConnection } from "./connection.js";
 import { counted } from "./description.js";
 import { createEditing } from "./editing.js";
+import { faceValues } from "./errors.js";
 import { listenToKeys } from "./keyboard.js";
 import { Labelling } from "./labelling.js";
 import { legendOf } from "./legend.js";
@@ -20,7 +21,7 @@ import { readArray } from "./wire.js";
 
 const GEOMETRY = ["vertices", "faces", "vertex_colors", "up"];
 const PARTITION = ["face_atom", "atom_part", "atom_segment", "segment_colors", "atom_confidence"];
-const VALUES = ["face_value", "colormap"];
+const VALUES = ["face_value", "colormap", "face_error"];
 const ASIDE_MS = 1200; // without its context for so long, a view won't get it back by itself
 const PATIENCE_MS = 5000; // a view that loses its context sooner is one of too many in sight: leave it to a button
 const PREVIEW = [
@@ -36,7 +37,17 @@ const GROUPS = {
   partition: [...arrays(PARTITION), ...arrays(PREVIEW), "levels", "level", "segment_names", "_answers"],
   values: arrays(VALUES),
   state: [
-    ...["color_by", "color_mix", "outlines", "back_faces", "height", "mode", "editable", "vocabulary"],
+    ...[
+      "color_by",
+      "errors_title",
+      "color_mix",
+      "outlines",
+      "back_faces",
+      "height",
+      "mode",
+      "editable",
+      "vocabulary",
+    ],
     ...[
       "segment_list",
       "section",
@@ -179,7 +190,7 @@ function start({ model, el }, again) {
       labelling.read();
       pointing.renew();
     }
-    if (groups.has("values")) takeValues();
+    takeValues();
     takeState();
   }
 
@@ -190,10 +201,14 @@ function start({ model, el }, again) {
     measure();
   }
 
+  /** What was drawn last. @type {ReturnType<typeof faceValues>} */
+  let drawn = null;
+
   function takeValues() {
-    const values = /** @type {Uint16Array | null} */ (readArray(model, "face_value"));
-    const colormap = /** @type {Uint8Array | null} */ (readArray(model, "colormap"));
-    if (values && colormap) view.setValues(values, colormap);
+    const wanted = faceValues(model);
+    if (!wanted || (wanted.values === drawn?.values && wanted.colormap === drawn.colormap)) return;
+    drawn = wanted;
+    view.setValues(wanted.values, wanted.colormap);
   }
 
   function takeState() {
@@ -219,6 +234,7 @@ function start({ model, el }, again) {
     panel.update({
       colorBy: model.get("color_by"),
       hasScan: view.mesh?.colors != null,
+      errorsTitle: model.get("errors_title"),
       hasValues: readArray(model, "face_value") !== null,
       valuesTitle: model.get("values_legend").title ?? "",
       hasPartition: view.partition !== null,

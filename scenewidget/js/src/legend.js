@@ -2,6 +2,7 @@
 
 import { confidenceColor } from "./confidence.js";
 import { element } from "./elements.js";
+import { RIGHT_COLOR, WRONG_COLOR } from "./errors.js";
 import { axisNames } from "./upright.js";
 import { readArray } from "./wire.js";
 
@@ -46,6 +47,14 @@ export function legendOf(model) {
         colors: Array.from({ length: N_STOPS }, (_, i) => at(i)),
         ends: ["0 unsure", "1 sure"],
       };
+    }
+    case "errors": {
+      const [right, wrong] = [RIGHT_COLOR, WRONG_COLOR].map((color) => `rgb(${color.join(" ")})`);
+      const samples = /** @type {Array<[string, string]>} */ ([
+        [right, "same"],
+        [wrong, "different"],
+      ]);
+      return { title: model.get("errors_title"), samples };
     }
     case "normals": {
       const color = (/** @type {number[]} */ normal) =>

@@ -34,6 +34,7 @@ import { createToolbox } from "./toolbox.js";
 /**
  * @typedef {object} PanelState
  * @property {string} colorBy
+ * @property {string} [errorsTitle]  what errors are shown against; "" = none can be shown
  * @property {boolean} hasScan
  * @property {boolean} hasValues
  * @property {string} valuesTitle
@@ -350,6 +351,7 @@ export function createPanel(host, actions) {
         ["segments", "Segments", state.hasPartition],
         ["parts", "Parts", state.hasPartition && state.levels.length > 0],
         ["confidence", "Confidence", state.hasConfidence],
+        ["errors", "Errors", Boolean(state.errorsTitle)],
         ["values", state.valuesTitle || "Values", state.hasValues],
         ["normals", "Normals", true],
         ["scan", "Scan", state.hasScan],

@@ -20,7 +20,7 @@ export const NONE = 0xffffffff;
  * @property {Uint16Array | null} atomConfidence  0 = none, else 1 to 65535
  */
 
-/** @typedef {"segments" | "parts" | "confidence" | "normals" | "scan" | "shaded" | "values"} ColorBy */
+/** @typedef {"segments" | "parts" | "confidence" | "normals" | "scan" | "shaded" | "values" | "errors"} ColorBy */
 
 /**
  * @param {object} arrays

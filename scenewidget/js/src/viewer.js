@@ -48,7 +48,16 @@ const PICTURE = 1;
 const PAINT = 2;
 const FACES = 3;
 
-const COLOR_CODES = { segments: 0, parts: 0, confidence: 0, scan: 1, shaded: 2, values: 3, normals: 4 };
+const COLOR_CODES = {
+  segments: 0,
+  parts: 0,
+  confidence: 0,
+  scan: 1,
+  shaded: 2,
+  values: 3,
+  errors: 3,
+  normals: 4,
+};
 
 export class Viewer {
   /**
@@ -606,7 +615,7 @@ export class Viewer {
         colorBy === "scan" && !this.mesh?.colors ? 2 : COLOR_CODES[colorBy]
       ),
       mixing,
-      outlines: outlines && ["segments", "parts", "confidence"].includes(colorBy),
+      outlines: outlines && ["segments", "parts", "confidence", "errors"].includes(colorBy),
       outlinesParts: colorBy === "parts",
       hovered: this.isMoving ? NONE : hovered,
       picked,
