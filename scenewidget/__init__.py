@@ -7,6 +7,25 @@ A first look::
     mesh, truth = sw.datasets.load_room()     # a small simulated scan and its truth
     seg = sw.segment(mesh)                    # Segmentation: seg.labels, seg.confidence, seg.to_frame()
     w = sw.SceneWidget(mesh)                  # the same in 3D, with sliders, in a notebook
+
+What is where; ``help(sw.segment)`` and so on tell the rest:
+
+======================================  =================================================================
+``load_mesh``, ``Mesh``, ``MeshError``  a scan from PLY, OBJ, GLB, STL, OFF or arrays
+``datasets``                            simulated scans with their truth, and readers of real ones
+``segment``, ``Params``                 the method in one call, and everything that can be set about it
+``Segmentation``                        its result: labels, confidence, levels, names, a table
+``Pipeline``, ``Cancelled``             the same with a memory of its stages, for sliders and experiments
+``engine``                              the stages themselves, one module each
+``Session``, ``editing``                merging, splitting, cutting, naming, undo, project files
+``export``, ``import_labels``           files that other programs read, out and in again
+``evaluate``, ``metrics``               comparison with a truth
+``baselines``                           methods of others, to compare with
+``SceneWidget``, ``SceneView``          the widget, and its picture alone
+``figures``, ``SpectralExplorer``       pictures that teach
+======================================  =================================================================
+
+The folder ``notebooks`` of the repository is a course in ten parts. ``__version__`` is the version.
 """
 
 from __future__ import annotations

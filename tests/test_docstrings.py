@@ -113,3 +113,8 @@ def test_modules_say_what_they_are_for(name):
 def test_public_names_are_documented():
     found = [f"{name}: {complaint}" for name, thing in public_objects() for complaint in complaints(thing)]
     assert found == []
+
+
+def test_help_begins_with_all_that_there_is():
+    missing = [name for name in scenewidget.__all__ if f"``{name}``" not in scenewidget.__doc__]
+    assert missing == []

@@ -35,3 +35,17 @@ def test_it_prints_no_timings(path):
         for output in cell.get("outputs", []):
             output.get("data", {}).pop("image/png", None)  # its base64 spells anything
             assert not re.search(r"\d(?:\.\d+)? ?(?:ms|s|seconds)\b", json.dumps(output)), cell["id"]
+
+
+def test_exported_to_html_it_shows_its_pictures(path):
+    from nbconvert import HTMLExporter
+
+    notebook = json.loads(path.read_text())
+    outputs = [o for cell in notebook["cells"] for o in cell.get("outputs", [])]
+    page, _ = HTMLExporter().from_filename(str(path))
+    assert page.count("<img") >= sum("image/png" in o.get("data", {}) for o in outputs)
+    assert "widget-view" not in page  # it would be an empty place where no kernel runs
+    figures = [o for o in outputs if "".join(o.get("data", {}).get("text/plain", "")).startswith("Figure(")]
+    assert all("image/png" in o["data"] for o in figures)
+    titles = re.findall(r"<title>(.*?)</title>", page)
+    assert titles == [path.stem]
