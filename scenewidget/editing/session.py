@@ -531,7 +531,7 @@ class Session:
             return suggest(self._partition, int(n), frozenset(self._dismissed))
 
     def dismiss(self, suggestion: Suggestion) -> None:
-        """Don't make this ``suggestion`` again in this session, until another segmentation comes underneath."""
+        """No longer make a ``suggestion``, until another segmentation comes underneath."""
         with self._lock:
             self._dismissed.add(suggestion_key(self._partition, suggestion))
 
