@@ -13,7 +13,7 @@ import os
 import re
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -43,13 +43,9 @@ def newest_project(mesh: Mesh, folder: Path) -> Summary | None:
     """
     if not any(path.suffix == SUFFIX for path in _entries(folder)):
         return None  # the fingerprint of a large mesh takes a moment
-    found = [
-        summary
-        for path in _entries(folder)
-        if path.suffix == SUFFIX and fingerprint(mesh).digest[:DIGITS] in path.name
-        if (summary := _summary(path)) is not None and summary.fingerprint == fingerprint(mesh)
-    ]
-    return max((s for s in found if s.n_steps > 0), key=lambda s: s.last_time, default=None)
+    digits = fingerprint(mesh).digest[:DIGITS]
+    paths = (path for path in _entries(folder) if path.suffix == SUFFIX and digits in path.name)
+    return _newest(_summaries(paths), mesh)
 
 
 class Keeper:
@@ -84,8 +80,11 @@ class Keeper:
         self._view = view
         self._lock = lock
         self._restore = restore
-        self._path = None if isinstance(autosave, bool) else Path(autosave).absolute()
-        self._folder = Path.cwd()  # the cell's; a later one may change directory
+        try:
+            self._folder = Path.cwd()  # the cell's; a later one may change directory
+        except OSError:  # it was removed
+            self._folder = Path()
+        self._path = None if isinstance(autosave, bool) else self._folder / Path(autosave)
         self._problem = ""  # that kept the file from being made
         self._writing: threading.Thread | None = None
         self._session: Session | None = None
@@ -104,13 +103,15 @@ class Keeper:
             return newest_project(self._view.mesh, self._folder)
         if not self._path.exists():
             return None
-        summary = summary_of(self._path)
-        if summary.fingerprint != fingerprint(self._view.mesh):
+        found = [summary_of(self._path)]
+        if found[0].fingerprint != fingerprint(self._view.mesh):
             raise ProjectError(
-                f"{self._path.name!r} belongs to another mesh: it was made on one of {summary.fingerprint}, "
+                f"{self._path.name!r} belongs to another mesh: it was made on one of {found[0].fingerprint}, "
                 f"but this one has {fingerprint(self._view.mesh)}; choose another name for autosave"
             )
-        return summary if summary.n_steps > 0 else None
+        numbered = re.compile(re.escape(self._path.stem) + r"-\d+" + re.escape(self._path.suffix))
+        found += _summaries(p for p in _entries(self._path.parent) if numbered.fullmatch(p.name))
+        return _newest(found, self._view.mesh)
 
     # --- writing ----------------------------------------------------------------------------------
 
@@ -242,11 +243,17 @@ def _entries(folder: Path) -> list[Path]:
         return []
 
 
-def _summary(path: Path) -> Summary | None:
-    try:
-        return summary_of(path)
-    except (OSError, ProjectError):
-        return None
+def _summaries(paths: Iterable[Path]) -> list[Summary]:
+    found = []
+    for path in paths:
+        with contextlib.suppress(OSError, ProjectError):
+            found.append(summary_of(path))
+    return found
+
+
+def _newest(summaries: Iterable[Summary], mesh: Mesh) -> Summary | None:
+    ours = (summary for summary in summaries if summary.fingerprint == fingerprint(mesh))
+    return max((s for s in ours if s.n_steps > 0), key=lambda s: s.last_time, default=None)
 
 
 def _steps(n: int) -> str:

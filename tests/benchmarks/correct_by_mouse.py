@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "browser"))
 import conftest
 from scans import DATA
 
-KERNEL = """
+KERNEL = '''
 import json
 import numpy as np
 import scenewidget as sw
@@ -45,14 +45,20 @@ def plan():
     column = labels if edit.level == "final" else automatic.level(edit.level)
     onto = getattr(edit, "onto_face", None)
     return json.dumps({"error": judge.error, "kind": type(edit).__name__, "level": edit.level,
-        "part": int(column[face]), "target": None if onto is None else int(labels[onto])})
+        "part": int(column[face]), "target": None if onto is None else int(labels[onto]),
+        "target_parts": [] if onto is None else whole_parts(column, labels == labels[onto])})
+
+def whole_parts(column, is_inside):
+    """Parts that lie in a segment with all of their faces."""
+    inside = np.bincount(column[is_inside & (column >= 0)], minlength=column.max() + 1)
+    return np.flatnonzero((inside > 0) & (inside == np.bincount(column[column >= 0]))).tolist()
 
 mesh = sw.load_mesh(%r)
 truth = np.load(%r).astype(np.int64)
 w = sw.SceneWidget(mesh, height=620)
 w.wait(600)
 w
-"""
+'''
 KEYS = {"dihedral": "1", "base": "2", "final": "3"}
 N_SIDES = 6
 ORBIT = 140  # pixels of a drag, a sixth of a turn
@@ -94,13 +100,21 @@ class Hand:
     def find(self, part: int, level: str) -> tuple[int, tuple[float, float]] | None:
         """A side and a place from where a part can be pointed at."""
         self.press(KEYS[level])
-        width, height = self.view.size()
-        above, below, edge = MARGINS
         for turn in range(N_SIDES):
             self.look_from((self.side + turn) % N_SIDES if turn else self.side)
-            place = self.view.parts(step=10).get(str(part))
-            if place and above < place[1] < height - below and edge < place[0] < width - edge:
+            place = self.look_for([part])
+            if place:
                 return self.side, place
+        return None
+
+    def look_for(self, parts: list[int]) -> tuple[float, float] | None:
+        """A place of one of some parts, as one sees it now."""
+        width, height = self.view.size()
+        above, below, edge = MARGINS
+        wanted = {str(part) for part in parts}
+        for part, place in self.view.parts(step=10).items():
+            if part in wanted and above < place[1] < height - below and edge < place[0] < width - edge:
+                return place
         return None
 
     def click(self, place: tuple[float, float], button: str = "left") -> None:
@@ -126,6 +140,11 @@ class Hand:
             self.click(source[1])
             self.view.wait("picked", str(step["part"]))
             self.look_from(target[0])
+            again = self.look_for(step["target_parts"])  # after some turns it isn't quite where it was
+            if again is None:
+                self.press("Escape")
+                return False
+            target = (target[0], again)
         self.view.point(*target[1])
         self.view.wait("target", str(step["target"]))
         if target[0] != source[0]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import time
 import warnings
@@ -14,6 +15,7 @@ import scenewidget as sw
 from scenewidget.editing.formats import FormatError
 from scenewidget.editing.project import ProjectError
 from scenewidget.editing.session import Session
+from scenewidget.editing.store import summary_of
 from scenewidget.engine.segmentation import Segmentation
 
 MESH = shapes.box(3)
@@ -162,6 +164,8 @@ class Fuzzer:
     def _open(self, opened):
         keep = opened.read_bytes()
         try:
+            with contextlib.suppress(ProjectError):  # what a widget reads before it offers a file
+                summary_of(opened)
             with Session.open(opened, MESH) as session:
                 labels = session.segmentation.labels.tobytes()
             assert labels in self.states, "damage went unnoticed"

@@ -229,7 +229,11 @@ def test_a_path_is_begun_by_scripts_too_and_not_with_another_mesh(show, mesh, fo
         sw.SceneWidget(other, SMALL, autosave="room.swproj")
     with pytest.raises(TypeError, match="autosave must be True, False or a path, got int"):
         sw.SceneWidget(mesh, SMALL, autosave=3)
-    assert "offer" in notices(show(autosave="room.swproj"))
+    again = show(autosave="room.swproj")
+    assert "in room.swproj" in notices(again)["offer"]
+    merge(again)
+    assert again.session.path == folder / "room-2.swproj"
+    assert "in room-2.swproj" in notices(show(autosave="room.swproj"))["offer"]  # what was done last
 
 
 def test_the_name_of_the_file_is_that_of_the_scan(mesh, folder):
@@ -287,3 +291,30 @@ def test_a_file_that_cannot_be_restored_is_told_and_nothing_is_lost(show, mesh):
     assert path.name in second.view.error
     assert second.segmentation is before
     assert "offer" in notices(second)
+
+
+def test_restoring_does_not_wait_for_the_computation(show, mesh, monkeypatch):
+    first = show()
+    merge(first)
+    first.session.close()
+
+    def endless(self, params, *, progress, cancel):
+        cancel.wait(60)
+        raise sw.Cancelled("as asked")
+
+    monkeypatch.setattr(sw.Pipeline, "run", endless)
+    second = sw.SceneWidget(mesh, SMALL)
+    assert second.busy
+    tell(second, kind="choose", notice="offer", action="restore")
+    assert not second.busy
+    assert (second.view.n_segments, second.view.undo_title) == (first.view.n_segments, "Merge")
+    assert second.wait(10) is second.segmentation
+    second.session.close()
+    second.close()
+
+
+def test_a_folder_that_was_removed_is_no_obstacle_to_looking(mesh, folder, monkeypatch):
+    monkeypatch.setattr(Path, "cwd", lambda: (_ for _ in ()).throw(FileNotFoundError("gone")))
+    widget = sw.SceneWidget(mesh, SMALL)
+    assert widget.wait(60).n_segments > 1
+    widget.close()
