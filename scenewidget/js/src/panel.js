@@ -244,6 +244,8 @@ export function createPanel(host, actions) {
     ],
   );
   host.append(root);
+  const below = () => `${tools.offsetTop + tools.offsetHeight + 6}px`;
+  new ResizeObserver(() => root.style.setProperty("--sw-below-tools", below())).observe(tools);
 
   const showHelp = (/** @type {boolean} */ isShown) => {
     helpCard.hidden = !isShown;
