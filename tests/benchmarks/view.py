@@ -48,8 +48,8 @@ view.set_segments(segments)
 KERNEL = "window.jupyterapp.shell.currentWidget.context.sessionContext.session.kernel"
 WORK = "t = __import__('time'); e = t.time() + 8\\nwhile t.time() < e: pass"
 BUSY = f'() => void {KERNEL}.requestExecute({{ code: "{WORK}" }})'
-# Handlers are measured as the page runs them: everything that a movement does before the next event. Where the
-# clock is coarser than that, the mean over all of them still tells.
+# Handlers are measured as the page runs them: everything that a movement does before the next event. Where
+# the clock is coarser than that, the mean over all of them still tells.
 HOVER = """([root, n]) => {
     const canvas = root.querySelector("canvas");
     const box = canvas.getBoundingClientRect();
