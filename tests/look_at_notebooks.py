@@ -19,9 +19,10 @@ from conftest import FLAGS, serve
 
 NOTEBOOKS = Path(__file__).parent.parent / "notebooks"
 SCREEN = {"width": 1000, "height": 1400}
-SCROLLER = """() => [...document.querySelectorAll("*")].find(element =>
-    element.scrollHeight > element.clientHeight + 50 && getComputedStyle(element).overflowY !== "visible")
-    ?? document.scrollingElement"""
+SCROLLER = """() => [...document.querySelectorAll("*")]
+    .filter(element => getComputedStyle(element).overflowY !== "visible")
+    .reduce((best, element) => element.scrollHeight > best.scrollHeight ? element : best,
+            document.scrollingElement)"""
 
 
 def export(path: Path, folder: Path) -> None:
