@@ -121,7 +121,8 @@ class Editor:
         elif kind == "redo":
             session.redo()
         elif kind == "go_to":
-            session.go_to(message["n"])
+            most = len(session.history) + len(session.undone)  # an edit may have come since it was listed
+            session.go_to(min(message["n"], most))
         elif message["revision"] < self._first_revision:
             # it names faces of parts that are no longer there
             self.remark("Another segmentation had just come: nothing was edited")

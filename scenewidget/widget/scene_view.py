@@ -233,7 +233,7 @@ class SceneView(anywidget.AnyWidget):
         self.mesh = mesh
         self._atoms: Atoms | None = None
         self._atom_faces: IntArray = np.zeros(0, np.int64)
-        self._neighbours: IntArray = np.zeros((0, 2), np.int64)  # atoms that touch
+        self._neighbours: IntArray = np.zeros((2, 0), np.int32)  # atoms that touch
         self._parts: dict[str, IntArray] = {}  # of each atom, by level
         self._table: IntArray = np.zeros(0, np.int64)  # segment of each atom
         self._color_rows: IntArray = np.zeros(0, np.int64)
@@ -370,9 +370,10 @@ class SceneView(anywidget.AnyWidget):
             before = None if self._atoms is None else (self._atoms, self._table)
             if atoms is not self._atoms or list(parts) != self.levels:
                 self._atoms, self._parts = atoms, dict(parts)
-                self._neighbours = adjacent_segments(
+                pairs = adjacent_segments(
                     self.mesh.faces, atoms.face_atom.astype(np.int64), self.mesh.n_vertices
                 )
+                self._neighbours = np.ascontiguousarray(pairs.T, np.int32)
                 self._atom_faces = np.bincount(atoms.face_atom, minlength=atoms.n)
                 self.set_trait("levels", list(parts))
                 self._put("face_atom", atoms.face_atom)
@@ -674,7 +675,7 @@ class SceneView(anywidget.AnyWidget):
 
     def _segment_pairs(self, table: IntArray, n: int) -> IntArray:
         """(n_pairs, 2) segments that touch, out of the atoms that do."""
-        one, other = table[self._neighbours[:, 0]], table[self._neighbours[:, 1]]
+        one, other = table[self._neighbours[0]], table[self._neighbours[1]]
         is_border = (one != other) & (one >= 0) & (other >= 0)
         codes = np.unique(one[is_border].astype(np.int64) * n + other[is_border])
         return np.stack(np.divmod(codes, max(n, 1)), axis=1)

@@ -4,8 +4,9 @@
 
 An annotator who knows the truth (as `scenewidget.editing.simulate_annotator`, one edit at a time) says what
 to do next; a real mouse in a real browser does it: drag-merge or click, click; right click to split;
-dragging with Shift to look from elsewhere. What can't be seen from any side is left out, and the next best
-edit made. Scans that aren't beside the repository are passed over.
+dragging with Shift to look from elsewhere. Segments that can't be seen from any side are clicked in the list;
+finer parts that can't are left out, and the next best edit made. Scans that aren't beside the repository are
+passed over.
 """
 
 from __future__ import annotations
@@ -76,6 +77,7 @@ class Hand:
         self.view.wait("mode", "edit")
         self.side = 0
         self.n_looks = 0
+        self.n_rows = 0
 
     def press(self, key: str) -> None:
         """A key, with the picture in focus."""
@@ -128,7 +130,7 @@ class Hand:
         target = None if step["target"] is None else self.find(step["target"], "final")
         source = self.find(step["part"], step["level"])
         if source is None or (step["target"] is not None and target is None):
-            return False
+            return step["target"] is not None and step["level"] == "final" and self.do_in_list(step)
         self.look_from(source[0])
         if target is None:
             self.click(source[1], button="right")
@@ -143,13 +145,28 @@ class Hand:
             again = self.look_for(step["target_parts"])  # after some turns it isn't quite where it was
             if again is None:
                 self.press("Escape")
-                return False
+                return step["level"] == "final" and self.do_in_list(step)
             target = (target[0], again)
         self.view.point(*target[1])
         self.view.wait("target", str(step["target"]))
         if target[0] != source[0]:
             self.page.mouse.down()
         self.page.mouse.up()
+        return True
+
+    def do_in_list(self, step: dict) -> bool:
+        """Merge two segments by clicking on their rows in the list."""
+        self.press(KEYS["final"])
+        self.press("l")
+        for segment in (step["part"], step["target"]):
+            row = self.view.root.locator(f".sw-list tr[data-segment='{segment}'] .sw-row-name")
+            row.scroll_into_view_if_needed()
+            row.click()
+            if segment == step["part"]:
+                self.view.wait("picked", str(segment))
+        self.view.wait("pending", "0", timeout=60)
+        self.press("l")
+        self.n_rows += 1
         return True
 
 
@@ -181,8 +198,9 @@ def correct(book: conftest.Notebook, name: str, target: float, most: int) -> Non
         print(f"  {step['kind']} at level {step['level']!r} by the mouse", flush=True)
     n, file = int(book.evaluate("len(w.session.edits)")), book.evaluate("w.view.save_state")
     print(
-        f"{name}: {n} edits by the mouse, {hand.n_looks} turns of the scan, {unseen} edits unseen, "
-        f"{time.perf_counter() - start:.0f} s; 1-RI = {step['error']:.4f}; project {file}",
+        f"{name}: {n} edits by the mouse ({hand.n_rows} in the list of segments), {hand.n_looks} turns of "
+        f"the scan, {unseen} edits unseen, {time.perf_counter() - start:.0f} s; 1-RI = {step['error']:.4f}; "
+        f"project {file}",
         flush=True,
     )
 

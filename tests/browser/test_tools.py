@@ -209,6 +209,35 @@ def test_a_kernel_that_went_is_told_and_leaves_nothing_pending(editor):
     editor.view.wait("segments", str(editor.n))
 
 
+def test_brush_and_cut_go_by_keyboard_alone(editor):
+    editor.page.mouse.move(2, 2)
+    editor.root.focus()
+    editor.page.keyboard.press("t")
+    editor.view.settle()
+    editor.page.keyboard.press("g")
+    editor.page.keyboard.press("Enter")
+    editor.root.get_by_text("Brush: gather parts for").wait_for()
+    for _ in range(40):
+        editor.page.keyboard.press("ArrowUp")
+        editor.view.settle()
+        editor.page.keyboard.press("Enter")
+        if int(editor.view.state("segments")) < editor.n:
+            break
+    n = int(editor.view.state("segments"))
+    assert n < editor.n
+    editor.page.keyboard.press("Shift+Enter")
+    editor.settled(n)
+    editor.page.keyboard.press("c")
+    editor.page.keyboard.press("Enter")
+    assert editor.view.state("picked") != ""
+    editor.page.keyboard.press("ArrowLeft")
+    editor.page.keyboard.press("ArrowLeft")
+    editor.view.settle()
+    editor.page.keyboard.press("Enter")
+    editor.settled(n + 1)
+    assert editor.edits() == ["Merge", "Cut"]
+
+
 def test_help_and_toolbar_offer_every_tool(editor):
     editor.root.focus()
     editor.page.keyboard.press("?")

@@ -122,9 +122,10 @@ def test_the_history_is_listed_while_it_is_shown_and_can_be_walked(editor):
     assert [row["n"] for row in view.history] == [1, 2, 3]
     send(editor, "go_to", n=3)
     np.testing.assert_array_equal(session.segmentation.labels, labels)
-    with pytest.raises(ValueError, match="n_edits must lie in"):
-        send(editor, "go_to", n=9)
-    assert "n_edits" in view.error
+    send(editor, "go_to", n=2)
+    send(editor, "split", face=faces[0], level="dihedral")
+    send(editor, "go_to", n=9)  # listed before the last edit made an end of what could be redone
+    assert (view.n_done, view.error) == (3, "")
 
 
 def test_steps_that_no_longer_apply_are_listed_with_the_reason(editor, mesh):
