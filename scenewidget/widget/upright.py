@@ -52,11 +52,14 @@ def detect_up(mesh: Mesh) -> str:
     win clearly. A tilted scan, an object or a detail of a wall doesn't tell; then say it.
     """
     some = slice(None, None, max(1, mesh.n_faces // N_SAMPLED))
-    areas, normals = mesh.face_areas[some], mesh.face_normals[some]
+    a, b, c = np.moveaxis(mesh.vertices[mesh.faces[some]], 1, 0)
+    normals = np.cross(b - a, c - a)
+    areas = np.linalg.norm(normals, axis=1)
+    normals = np.divide(normals, areas[:, None], out=np.zeros_like(normals), where=areas[:, None] > 0)
     faces_up = np.array([areas[normals[:, k] > ALIGNED].sum() for k in range(3)])
     faces_down = np.array([areas[normals[:, k] < -ALIGNED].sum() for k in range(3)])
     facing = faces_up + faces_down
-    low, high = np.percentile(mesh.vertices[mesh.faces[some, 0]], [1, 99], axis=0)
+    low, high = np.percentile(a, [1, 99], axis=0)
     score = facing / np.maximum(high - low, 1e-3 * max(float((high - low).max()), 1e-12))
     axis = int(np.argmax(score))
     if score[axis] <= CLEARLY * score[2] or facing[axis] < LEAST_SHARE * areas.sum():

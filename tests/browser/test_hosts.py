@@ -1,10 +1,11 @@
-"""The widget in other hosts than JupyterLab: Notebook 7 and Voila, each a real server."""
+"""The widget in other hosts than JupyterLab: Notebook 7, Voila and marimo, each a real server."""
 
 from __future__ import annotations
 
 import json
 import secrets
 import sys
+import textwrap
 
 import pytest
 from conftest import Notebook, Server, View, serve
@@ -133,6 +134,59 @@ def test_voila_shows_points_and_tells_python(voila, profile):
     page.get_by_text("outlines False").wait_for()
     assert errors == []
     page.close()
+
+
+MARIMO = """
+import marimo
+app = marimo.App()
+
+@app.cell
+def _():
+    import marimo as mo
+{room}
+    shown = mo.ui.anywidget(view)
+    shown
+    return (shown,)
+
+@app.cell
+def _(shown):
+    f"outlines {{shown.value['outlines']}}"
+    return
+
+if __name__ == "__main__":
+    app.run()
+"""
+
+
+def test_marimo_shows_points_and_tells_python(tmp_path, profile):
+    pytest.importorskip("marimo", reason="marimo isn't installed; it is no part of the test extra")
+    script = tmp_path / "room.py"
+    script.write_text(MARIMO.format(room=textwrap.indent(LABELLED, "    ")))
+    command = [
+        sys.executable,
+        "-m",
+        "marimo",
+        "run",
+        str(script),
+        "--headless",
+        "--no-token",
+        "--port={port}",
+    ]
+    with serve(command, tmp_path, "/health", env={"HOME": str(tmp_path)}) as url:
+        page = profile.new_page()
+        page.goto(url)
+        root = page.locator(".scenewidget")
+        root.wait_for(timeout=60_000)
+        view = View(page, root)
+        view.wait("ready", "true", timeout=60)
+        view.settle()
+        assert colors(view.pixels()) >= 3
+        part, place = next((part, place) for part, place in view.parts().items() if part)
+        view.point(*place)
+        view.wait("hovered", part)
+        view.root.get_by_role("button", name="Outlines").click()
+        page.get_by_text("outlines False").wait_for()
+        page.close()
 
 
 def _on_page(view, place):

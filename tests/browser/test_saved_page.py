@@ -88,3 +88,26 @@ def test_a_scan_takes_few_bytes_a_face(tmp_path):
     view.set_partition({}, truth.labels)
     size = view.to_html(str(tmp_path / "room.html")).stat().st_size
     assert size < 0.4e6 + 16 * mesh.n_faces
+
+
+def test_the_section_and_the_inside_work_too(saved):
+    saved.root.focus()
+    saved.page.keyboard.press("t")
+    saved.settle()
+    assert "0" in saved.parts()
+    saved.page.keyboard.press("x")
+    saved.root.get_by_role("slider", name="Height from").focus()
+    for _ in range(6):
+        saved.page.keyboard.press("ArrowRight")
+    saved.settle()
+    assert "0" not in saved.parts()  # the floor is cut off
+    saved.page.keyboard.press("Escape")
+    saved.page.keyboard.press("Shift+X")
+    saved.settle()
+    assert "0" in saved.parts()
+    saved.page.keyboard.press("v")
+    saved.wait("inside", "true")
+    saved.settle()
+    saved.page.keyboard.press("w")
+    saved.settle()
+    assert any(saved.parts())
