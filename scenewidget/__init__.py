@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from scenewidget.engine.pipeline import Pipeline, segment
     from scenewidget.engine.segmentation import Segmentation
     from scenewidget.evaluation import evaluate
+    from scenewidget.widget.compare import Compare
     from scenewidget.widget.scene_view import SceneView
     from scenewidget.widget.scene_widget import SceneWidget
     from scenewidget.widget.spectral_explorer import SpectralExplorer
@@ -60,6 +61,7 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "Params": "engine.params",
     "Pipeline": "engine.pipeline",
     "segment": "engine.pipeline",
+    "Compare": "widget.compare",
     "SceneView": "widget.scene_view",
     "SceneWidget": "widget.scene_widget",
     "SpectralExplorer": "widget.spectral_explorer",
@@ -68,6 +70,7 @@ _MODULES = ("baselines", "datasets", "editing", "engine", "figures", "metrics")
 
 __all__ = [
     "Cancelled",
+    "Compare",
     "Mesh",
     "MeshError",
     "Params",

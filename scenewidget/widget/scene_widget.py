@@ -30,27 +30,10 @@ from scenewidget.widget.keeper import Keeper
 from scenewidget.widget.previewer import Previewer, preview_params
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scoring import Scorer, score_rows
+from scenewidget.widget.stages import STAGE_NAMES
 from scenewidget.widget.worker import Newest, Worker
 
 __all__ = ["SceneWidget"]
-
-STAGE_NAMES = {
-    "adjacency": "Finding neighbouring faces",
-    "items": "Gathering faces into items",
-    "dihedral": "Partitioning by dihedral angle",
-    "allocation": "Sharing out clusters over components",
-    "eigenbasis": "Solving for eigenfunctions",
-    "features": "Computing features",
-    "distances": "Measuring distances",
-    "ensemble": "Clustering many times",
-    "coassociation": "Comparing the clusterings",
-    "tree": "Building the consensus tree",
-    "consensus": "Finding the consensus",
-    "finish": "Tidying segments up",
-    "segmentation": "Labeling every face",
-    "family": "Finding coarser and finer segments",
-    "granularity": "Choosing the granularity",
-}
 
 
 class _LiveSegmentation(traitlets.Instance):  # type: ignore[type-arg]  # older traitlets have none

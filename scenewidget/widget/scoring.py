@@ -19,7 +19,7 @@ from scenewidget.engine.segmentation import Segmentation
 from scenewidget.evaluation import checked_truth
 from scenewidget.metrics import match_segments, quick_scores
 
-__all__ = ["RIGHT", "UNKNOWN", "WRONG", "Scorer", "score_rows"]
+__all__ = ["RIGHT", "UNKNOWN", "WRONG", "Scorer", "disagreement", "score_rows"]
 
 UNKNOWN, RIGHT, WRONG = 0, 1, 2
 WORDS = {
@@ -101,6 +101,23 @@ class Scorer:
             self._atoms = atoms
             self._cells = _Cells(values // n, values % n - 1, count, of_face.astype(np.int32))
         return self._cells
+
+
+def disagreement(a: IntArray, b: IntArray) -> npt.NDArray[np.uint8]:
+    """(n_faces,) RIGHT where the segments of both sides are partners, WRONG elsewhere.
+
+    UNKNOWN where neither side has a label; where one has, it is WRONG.
+    """
+    n = int(b.max(initial=-1)) + 2
+    values, of_face, count = np.unique(
+        (a.astype(np.int64) + 1) * n + b + 1, return_inverse=True, return_counts=True
+    )
+    left, right = values // n - 1, values % n - 1
+    partner = match_segments(left, right, count)
+    is_same = (left >= 0) & (np.append(partner, -2)[left] == right)
+    is_open = (left < 0) & (right < 0)
+    verdict = np.where(is_open, UNKNOWN, np.where(is_same, RIGHT, WRONG)).astype(np.uint8)
+    return verdict[of_face]
 
 
 def score_rows(scores: Mapping[str, float], before: Mapping[str, float]) -> Sequence[dict[str, Any]]:

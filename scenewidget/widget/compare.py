@@ -1,0 +1,293 @@
+"""Two segmentations of one scan side by side: same camera, same pointer, where they differ, and by how much.
+
+Go in: two `Params` or `Segmentation`s. Come out: two views that turn together, colours for the faces on which
+the two disagree, and a small table. What has to be computed is computed in one worker thread with one memo.
+"""
+
+from __future__ import annotations
+
+import html
+import secrets
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import ipywidgets as widgets
+import numpy as np
+import traitlets
+
+from scenewidget.engine.mesh import IntArray, Mesh
+from scenewidget.engine.params import Params
+from scenewidget.engine.pipeline import Pipeline
+from scenewidget.engine.segmentation import LEVELS, Segmentation
+from scenewidget.evaluation import evaluate
+from scenewidget.metrics import quick_scores
+from scenewidget.widget.scene_view import SceneView
+from scenewidget.widget.scoring import Scorer, disagreement, score_rows
+from scenewidget.widget.settings import params_code
+from scenewidget.widget.stages import STAGE_NAMES
+from scenewidget.widget.worker import Worker
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Compare"]
+
+Side = Params | Segmentation
+SHARED = (
+    "color_by",
+    "color_mix",
+    "outlines",
+    "back_faces",
+    "section",
+)  # state that both views have in common
+TABLE_STYLE = "border-collapse:collapse;font-variant-numeric:tabular-nums"
+CELL_STYLE = "padding:1px 14px 1px 0;text-align:right"
+
+
+class Compare(widgets.VBox):
+    """Two views of one scan that turn together; set ``a`` or ``b`` to compare something else.
+
+    Segments that overlap most have the same colour on both sides. "Errors" among the colours marks the faces
+    on which the two disagree: those whose segment is not the partner of the other side's, in the matching
+    with the largest sum of intersection over union.
+
+    Parameters
+    ----------
+    mesh : Mesh, path, trimesh.Trimesh or (vertices, faces)
+    a, b : Params or Segmentation
+        `Params()` by default. A segmentation must be of this mesh.
+    truth : Segmentation or (n_faces,) int, optional
+        What both are judged by.
+    height : int
+        Of the pictures, in pixels.
+
+    Attributes
+    ----------
+    a, b : Params or Segmentation
+    segmentations : tuple of Segmentation
+        Of both; empty until they are there.
+    scores : dict of str to dict of str to float
+        `metrics.quick_scores` of "A and truth", "B and truth", "B and A".
+    views : (SceneView, SceneView)
+    busy : bool
+
+    Raises
+    ------
+    TypeError, ValueError, MeshError, FileNotFoundError
+        Something that can't be compared; nothing is computed.
+    """
+
+    a = traitlets.Union([traitlets.Instance(Params), traitlets.Instance(Segmentation)])
+    b = traitlets.Union([traitlets.Instance(Params), traitlets.Instance(Segmentation)])
+    segmentations: Any = traitlets.Tuple(read_only=True)
+    scores: Any = traitlets.Dict(read_only=True)
+    busy = traitlets.Bool(False, read_only=True)
+
+    def __init__(
+        self,
+        mesh: Mesh | Any,
+        a: Side | None = None,
+        b: Side | None = None,
+        *,
+        truth: Segmentation | IntArray | None = None,
+        height: int = 420,
+    ) -> None:
+        self.pipeline = Pipeline(mesh)
+        a, b = (_checked(name, side, self.mesh) for name, side in (("a", a), ("b", b)))
+        self._scorer = None if truth is None else Scorer(self.mesh, truth)
+        self._lock = threading.RLock()
+        self._error: BaseException | None = None
+        self._at = 0  # which side is being computed
+        group = secrets.token_hex(8)
+        self.views = tuple(SceneView(self.mesh, height=height, camera_group=group) for _ in "ab")
+        for view in self.views:
+            view.offer_errors("Against the other")
+            view.on_msg(self._handle_message)
+        for name in SHARED:
+            traitlets.link((self.views[0], name), (self.views[1], name))
+        self._titles = tuple(widgets.HTML() for _ in "ab")
+        self._table = widgets.HTML()
+        self._worker = Worker(
+            on_progress=self._show_progress,
+            on_done=self._show_end,
+            on_error=self._show_error,
+            on_cancelled=lambda: self._show_end("Cancelled"),
+        )
+        half = {"flex": "1 1 320px", "min_width": "240px"}
+        columns = [widgets.VBox(pair, layout=half) for pair in zip(self._titles, self.views)]
+        row = widgets.Box(columns, layout={"flex_flow": "row wrap", "width": "100%"})
+        super().__init__([row, self._table], a=a, b=b)
+        self.observe(self._take_side, ["a", "b"])
+        self._compute()
+
+    def __repr__(self) -> str:
+        numbers = " and ".join(str(segmentation.n_segments) for segmentation in self.segmentations)
+        return f"Compare({self.mesh.n_faces} faces{f', {numbers} segments' if numbers else ''})"
+
+    @property
+    def mesh(self) -> Mesh:
+        """The scan, as loaded."""
+        return self.pipeline.mesh
+
+    def wait(self, timeout: float | None = 60.0) -> tuple[Segmentation, Segmentation]:
+        """Block until both are there, for scripts and tests.
+
+        Raises
+        ------
+        TimeoutError
+            It still runs; it is not cancelled.
+        Exception
+            Whatever the computation raised.
+        RuntimeError
+            It was cancelled.
+        """
+        if not self._worker.wait(timeout):
+            raise TimeoutError(f"still computing after {timeout:g} seconds")
+        with self._lock:
+            if self._error is not None:
+                raise self._error
+            if len(self.segmentations) != 2:
+                raise RuntimeError("cancelled before there was a result; set a or b to compute again")
+            first, second = self.segmentations
+            return first, second
+
+    def cancel(self) -> None:
+        """Stop the computation."""
+        self._worker.cancel()
+
+    def close(self) -> None:
+        """Stop the computation and take the widget off the page."""
+        if "_worker" in vars(self):
+            self._worker.cancel()
+            for view in self.views:
+                view.close()
+        super().close()
+
+    def to_frame(self) -> pd.DataFrame:
+        """`evaluate` of both against the truth, or of B against A without one."""
+        first, second = self.wait(None)
+        if self._scorer is None:
+            return evaluate({"B": second}, first, self.mesh)
+        return evaluate({"A": first, "B": second}, self._scorer.truth, self.mesh)
+
+    def _take_side(self, change: dict[str, Any]) -> None:
+        try:
+            _checked(change["name"], change["new"], self.mesh)
+        except ValueError:
+            self.set_trait(change["name"], change["old"])
+            raise
+        if change["new"] is not change["old"]:
+            self._compute()
+
+    def _compute(self) -> None:
+        sides = (self.a, self.b)
+        with self._lock:
+            self._error = None
+            self.set_trait("busy", True)
+            self.set_trait("segmentations", ())
+            self.set_trait("scores", {})
+            self._table.value = ""
+            for name, side, title, view in zip("AB", sides, self._titles, self.views):
+                title.value = f"<b>{name}</b> &nbsp;<code>{html.escape(_words(side))}</code>"
+                view.error, view.status, view.progress, view.busy = "", "Waiting", 0.0, True
+
+        def task(progress: Callable[[str, float], None], cancel: threading.Event) -> str:
+            found: list[Segmentation] = []
+            for self._at, side in enumerate(sides):
+                if isinstance(side, Params):
+                    side = self.pipeline.run(side, progress=progress, cancel=cancel)
+                found.append(side)
+                self._show_side(self._at, found)
+            self._show_comparison(found[0], found[1])
+            return ""
+
+        self._worker.submit(task)
+
+    def _show_side(self, i: int, found: list[Segmentation]) -> None:
+        with self._lock, self.views[i].hold_sync():
+            view = self.views[i]
+            for segmentation in found:  # the other's first, so that colours are those of the other side
+                there = [level for level in LEVELS if level == "final" or level in segmentation.levels]
+                levels = {str(level): segmentation.level(level) for level in there}
+                names = {k: name for k, name in enumerate(segmentation.names) if name}
+                view.set_partition(levels, segmentation.labels, names, _mean_confidence(segmentation))
+            view.status, view.progress, view.busy = "", 1.0, False
+
+    def _show_comparison(self, a: Segmentation, b: Segmentation) -> None:
+        scores = {}
+        if self._scorer is not None:
+            for name, segmentation in (("A and truth", a), ("B and truth", b)):
+                scores[name] = quick_scores(segmentation.labels, self._scorer.truth)
+        scores["B and A"] = quick_scores(b.labels, a.labels)
+        verdicts = disagreement(a.labels, b.labels)
+        with self._lock:
+            for view in self.views:
+                view.set_errors(verdicts)
+            self._table.value = _table(scores, float(np.mean(verdicts == 2)))
+            self.set_trait("scores", scores)
+            self.set_trait("segmentations", (a, b))
+
+    def _handle_message(self, _: Any, message: Any, __: Any) -> None:
+        if isinstance(message, dict) and message.get("kind") == "cancel":
+            self.cancel()
+
+    def _show_progress(self, stage: str, fraction: float) -> None:
+        view = self.views[self._at]
+        with self._lock, view.hold_sync():
+            view.status, view.progress = STAGE_NAMES.get(stage, stage), fraction
+
+    def _show_error(self, error: BaseException) -> None:
+        with self._lock:
+            self._error = error
+            self.views[self._at].error = f"{type(error).__name__}: {error}"
+            self._show_end("The computation failed")
+
+    def _show_end(self, status: str) -> None:
+        with self._lock:
+            for view in self.views:
+                if view.busy:
+                    view.status, view.progress, view.busy = status, 1.0, False
+            self.set_trait("busy", False)
+
+
+def _checked(name: str, side: Any, mesh: Mesh) -> Side:
+    if side is None:
+        return Params()
+    if not isinstance(side, (Params, Segmentation)):
+        raise TypeError(f"{name} must be Params or a Segmentation, got {type(side).__name__}")
+    if isinstance(side, Segmentation) and not (
+        side.mesh is mesh or np.array_equal(side.mesh.faces, mesh.faces)
+    ):
+        raise ValueError(
+            f"{name} is of another mesh, of {side.mesh.n_faces} faces where this one has {mesh.n_faces}"
+        )
+    return side
+
+
+def _words(side: Side) -> str:
+    return params_code(side) if isinstance(side, Params) else f"{side.n_segments} segments, as given"
+
+
+def _mean_confidence(segmentation: Segmentation) -> Any:
+    keep, n = segmentation.labels >= 0, segmentation.n_segments
+    labels = segmentation.labels[keep]
+    total = np.bincount(labels, segmentation.confidence[keep], n)
+    return total / np.maximum(np.bincount(labels, minlength=n), 1)
+
+
+def _table(scores: dict[str, dict[str, float]], share: float) -> str:
+    """HTML, a row a comparison; all of its text is ours."""
+    rows = {name: score_rows(values, {}) for name, values in scores.items()}
+    head = "".join(
+        f'<th style="{CELL_STYLE}" title="{html.escape(row["tip"])}">{row["name"]}</th>'
+        for row in next(iter(rows.values()))
+    )
+    body = "".join(
+        f'<tr><th style="{CELL_STYLE};text-align:left">{name}</th>'
+        + "".join(f'<td style="{CELL_STYLE}">{row["text"]}</td>' for row in cells)
+        + "</tr>"
+        for name, cells in rows.items()
+    )
+    note = f"They disagree on {share:.1%} of the faces: colour by “Errors” shows where."
+    return f'<table style="{TABLE_STYLE}"><tr><th></th>{head}</tr>{body}</table><div>{note}</div>'

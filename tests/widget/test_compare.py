@@ -1,0 +1,139 @@
+"""Two segmentations side by side, without a browser: what each view shows, and what is said of both."""
+
+import threading
+
+import numpy as np
+import pytest
+import shapes
+
+import scenewidget as sw
+from scenewidget.widget.scoring import disagreement
+
+MESH, TRUTH = shapes.room(10, noise=0.003)
+SMALL = sw.Params(n_segments=6, n_runs=4, n_graph_runs=4)
+GIVEN = sw.Segmentation.from_labels(MESH, TRUTH)
+
+
+@pytest.fixture
+def compare():
+    compare = sw.Compare(MESH, SMALL, GIVEN, truth=TRUTH)
+    compare.wait(60)
+    yield compare
+    compare.close()
+
+
+def test_each_side_shows_its_own_segmentation(compare):
+    a, b = compare.segmentations
+    np.testing.assert_array_equal(a.labels, sw.segment(MESH, SMALL).labels)
+    assert b is GIVEN
+    assert [view.n_segments for view in compare.views] == [a.n_segments, b.n_segments]
+    assert repr(compare) == f"Compare({MESH.n_faces} faces, {a.n_segments} and {b.n_segments} segments)"
+    assert not compare.busy
+
+
+def test_what_overlaps_has_one_colour(compare):
+    a, b = compare.segmentations
+    left, right = compare.views
+    for segment in range(b.n_segments):
+        mine = b.labels == segment
+        partner = np.bincount(a.labels[mine & (a.labels >= 0)]).argmax()
+        if np.mean(mine[a.labels == partner]) > 0.9:
+            assert left.segment_colors[partner].tolist() == right.segment_colors[segment].tolist()
+
+
+def test_the_numbers_are_those_of_evaluate(compare):
+    a, b = compare.segmentations
+    expected = sw.evaluate({"A": a, "B": b}, TRUTH, MESH)
+    for side in "AB":
+        scores = compare.scores[f"{side} and truth"]
+        for name, value in scores.items():
+            assert value == pytest.approx(expected.loc[side, name])
+    assert compare.scores["B and truth"]["rand_index_error"] == 0
+    assert compare.to_frame().equals(expected)
+    assert "B and A" in compare._table.value
+
+
+def test_disagreement_is_coloured_on_both_sides(compare):
+    a, b = compare.segmentations
+    expected = disagreement(a.labels, b.labels)
+    for view in compare.views:
+        np.testing.assert_array_equal(np.frombuffer(view._face_error, np.uint8), expected)
+        assert view.errors_title
+    compare.views[0].color_by = "errors"
+    assert compare.views[1].color_by == "errors"
+
+
+def test_disagreement_of_two_labellings():
+    a, b = np.array([0, 0, 0, 1, 1, -1, -1, 2]), np.array([5, 5, 1, 1, 1, -1, 1, 7])
+    assert disagreement(a, b).tolist() == [1, 1, 2, 1, 1, 0, 2, 1]
+    assert (disagreement(a, a)[a >= 0] == 1).all()
+
+
+def test_another_side_is_computed_with_what_is_known(compare):
+    before = compare.views[0].revision
+    compare.b = SMALL.replace(n_segments=4)
+    a, b = compare.wait(60)
+    np.testing.assert_array_equal(b.labels, sw.segment(MESH, SMALL.replace(n_segments=4)).labels)
+    assert max(a.timings.values()) == 0
+    assert compare.views[0].revision > before
+
+
+def test_both_views_look_the_same_way(compare):
+    groups = {view.camera_group for view in compare.views}
+    assert len(groups) == 1
+    assert groups != {""}
+
+
+def test_without_a_truth_they_are_compared_with_each_other():
+    compare = sw.Compare(MESH, GIVEN, GIVEN)
+    compare.wait(60)
+    assert list(compare.scores) == ["B and A"]
+    assert compare.scores["B and A"]["mean_iou"] == 1
+    assert list(compare.to_frame().index) == ["B"]
+    compare.close()
+
+
+def test_cancel_stops_and_says_so(monkeypatch):
+    started = threading.Event()
+
+    def slow(self, params, *, progress, cancel):
+        started.set()
+        assert cancel.wait(30)
+        raise sw.Cancelled("cancelled")
+
+    monkeypatch.setattr(sw.Pipeline, "run", slow)
+    compare = sw.Compare(MESH, GIVEN, SMALL)
+    assert started.wait(30)
+    compare.views[1]._handle_custom_msg({"kind": "cancel"}, [])
+    with pytest.raises(RuntimeError, match="cancelled before there was a result"):
+        compare.wait(30)
+    assert [view.busy for view in compare.views] == [False, False]
+    assert compare.views[1].status == "Cancelled"
+    compare.close()
+
+
+def test_an_error_is_shown_on_its_side_and_raised(monkeypatch):
+    def fail(*_, **__):
+        raise ValueError("no such thing")
+
+    monkeypatch.setattr(sw.Pipeline, "run", fail)
+    compare = sw.Compare(MESH, GIVEN, SMALL)
+    with pytest.raises(ValueError, match="no such thing"):
+        compare.wait(30)
+    assert [view.error for view in compare.views] == ["", "ValueError: no such thing"]
+    compare.close()
+
+
+def test_what_can_not_be_compared_is_refused():
+    with pytest.raises(TypeError, match="b must be Params or a Segmentation, got dict"):
+        sw.Compare(MESH, SMALL, {})
+    box = shapes.box(2)
+    other = sw.Segmentation.from_labels(box, np.zeros(box.n_faces, int))
+    with pytest.raises(ValueError, match="a is of another mesh, of 48 faces"):
+        sw.Compare(MESH, other)
+    compare = sw.Compare(MESH, GIVEN, GIVEN)
+    compare.wait(30)
+    with pytest.raises(ValueError, match="b is of another mesh"):
+        compare.b = other
+    assert compare.b is GIVEN
+    compare.close()
