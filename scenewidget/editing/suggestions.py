@@ -15,7 +15,7 @@ import numpy as np
 
 from scenewidget.editing.edits import Edit, Merge, Split
 from scenewidget.editing.partition import Partition
-from scenewidget.engine.evidence import mean_agreement, same_thing
+from scenewidget.engine.evidence import foreign, mean_agreement, same_thing
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.engine.segmentation import Level
 
@@ -157,7 +157,7 @@ class Evidence:
             return []
         rows = np.arange(len(self.asked))
         home, share = self.home[self.asked], self.share[self.asked]
-        leaves = 1.0 - self.confidence[self.asked]
+        leaves = foreign(self.confidence[self.asked])
         rest = self.size[home] - share
         joins = np.minimum(same_thing(self.with_segments), leaves[:, None])
         joins *= 1.0 - same_thing(self.between)[home]  # or all of its segment is to join

@@ -12,7 +12,7 @@ import numpy as np
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.threads import one_blas_thread
 
-__all__ = ["agreement_behind", "calibrated", "mean_agreement", "same_thing"]
+__all__ = ["agreement_behind", "calibrated", "foreign", "mean_agreement", "same_thing"]
 
 # Both fitted to the default preset on the tuning half of the quality benchmark by
 # `python tests/benchmarks/calibration.py`, which also says how they do on the other half.
@@ -23,6 +23,8 @@ CONFIDENCE = (
 )
 # Slope and middle of a sigmoid of the mean agreement of two segments, each pair of faces weighing alike:
 SAME_THING = (13.8, 0.364)
+# Share of base segments that are foreign to their segment, over the square of what the confidence lacks to 1:
+FOREIGN = 1.3
 
 
 def same_thing(agreement: FloatArray) -> FloatArray:
@@ -61,6 +63,20 @@ def calibrated(agreement: FloatArray) -> FloatArray:
 def agreement_behind(confidence: FloatArray) -> FloatArray:
     """The agreement of which `calibrated` makes this confidence."""
     return np.asarray(np.interp(confidence, *CONFIDENCE[::-1]))
+
+
+def foreign(confidence: FloatArray) -> FloatArray:
+    """Probability that a part as a whole is foreign to its segment, so that it is right to take it off.
+
+    Less than the probability that a pair of faces is wrongly joined: most wrong pairs are between things
+    that meet in one segment, few between a part and all the rest.
+
+    Parameters
+    ----------
+    confidence : (…) float
+        Mean over the part.
+    """
+    return np.asarray(np.minimum(FOREIGN * (1.0 - np.asarray(confidence, np.float64)) ** 2, 1.0))
 
 
 def mean_agreement(

@@ -84,6 +84,7 @@ ABLATION: dict[str, dict[str, Any]] = {
     "PEAC": {"consensus": "peac"},
     "median partition": {"consensus": "median"},
     "S = auto": {"n_segments": "auto"},
+    "S = auto, merging down to 0.42": {"n_segments": "auto", "linkage_similarity": 0.42},
     "planes not joined": {"join_planes": False},
     "crumbs kept": {"min_area": 0.0},
 }

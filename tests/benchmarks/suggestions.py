@@ -26,7 +26,7 @@ from scenewidget.editing.annotator import Judge
 from scenewidget.engine.mesh import face_adjacency
 
 SHARE = 0.8  # of the first 1 − RI
-MOST = 400
+MOST = 1_000
 
 
 def suggested(session: Session) -> Iterator[Edit]:
@@ -120,11 +120,17 @@ def main() -> None:
         }  # fmt: skip
         print(scan.name, {name: round(value, 4) for name, value in rows[scan.name].items()}, flush=True)
     table = pd.DataFrame(rows).T
-    table.loc["mean"] = table.mean()
-    table.loc["median"] = table.iloc[:-1].median()
+    for name, middle in (("mean", table.mean()), ("geometric mean", np.exp(np.log(table).mean()))):
+        table.loc[name] = middle
     print(table.round(3).to_string())
-    factor = table.loc["mean", "random proposals"] / table.loc["mean", "suggested proposals"]
-    print(f"random needs {factor:.1f} times the proposals (target: at least 3)")
+    for name in ("mean", "geometric mean"):
+        looks, edits = (
+            table.loc[name, f"random {what}"] / table.loc[name, f"suggested {what}"]
+            for what in ("proposals", "followed")
+        )
+        print(
+            f"{name}: random needs {looks:.1f} times the proposals, {edits:.1f} times the edits (target: 3)"
+        )
 
 
 if __name__ == "__main__":

@@ -107,7 +107,7 @@ def test_a_part_that_was_with_nothing_is_to_split_off():
     session.resegment(dataclasses.replace(session.automatic, confidence=confidence))
     (split,) = [s for s in session.suggestions() if s.level == "base" and s.face // FACES == 1]
     assert (split.kind, split.onto_face, split.edit) == ("split", -1, Split(split.face, "base"))
-    assert split.probability == pytest.approx(0.7)
+    assert split.probability == pytest.approx(1.3 * 0.7**2)
 
 
 @given(st.data())
@@ -161,7 +161,7 @@ def test_on_a_scan_looking_at_twenty_suggestions_pays():
             session.undo()
             session.dismiss(suggestion)
     assert n_followed >= 3
-    assert error < 0.9 * start
+    assert error < 0.95 * start
 
 
 def test_the_number_must_be_one():
