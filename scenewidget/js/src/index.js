@@ -22,13 +22,13 @@ import { readArray } from "./wire.js";
 const GEOMETRY = ["vertices", "faces", "vertex_colors", "up"];
 const PARTITION = ["face_atom", "atom_part", "atom_segment", "segment_colors", "atom_confidence"];
 const VALUES = ["face_value", "colormap", "face_error"];
-const ASIDE_MS = 1200; // without its context for so long, a view won't get it back by itself
-const PATIENCE_MS = 5000; // a view that loses its context sooner is one of too many in sight: leave it to a button
 const PREVIEW = [
   ...["face_item", "preview_segment", "preview_colors", "is_preview"],
   ...["face_piece", "family_merges", "family_colors"],
 ];
 
+const ASIDE_MS = 4000; // without its context for so long, a view won't get it back by itself
+const PATIENCE_MS = 5000; // a view that loses its context sooner is one of too many in sight: leave it to a button
 const LOST_MS = 8000; // an answer that takes longer may never come
 
 /** Pieces of state, by what is taken when they change. */
@@ -37,29 +37,10 @@ const GROUPS = {
   partition: [...arrays(PARTITION), ...arrays(PREVIEW), "levels", "level", "segment_names", "_answers"],
   values: arrays(VALUES),
   state: [
-    ...[
-      "color_by",
-      "errors_title",
-      "color_mix",
-      "outlines",
-      "back_faces",
-      "height",
-      "mode",
-      "editable",
-      "vocabulary",
-    ],
-    ...[
-      "segment_list",
-      "section",
-      "busy",
-      "progress",
-      "status",
-      "error",
-      "undo_title",
-      "redo_title",
-      "values_legend",
-    ],
-    ...["save_state", "save_note", "notices", "quick_names", "history_shown", "history", "n_done"],
+    ...["color_by", "color_mix", "errors_title", "values_legend", "outlines", "back_faces", "section"],
+    ...["height", "segment_list", "mode", "editable", "vocabulary", "quick_names"],
+    ...["busy", "progress", "status", "error", "save_state", "save_note", "notices"],
+    ...["undo_title", "redo_title", "history_shown", "history", "n_done"],
   ],
 };
 
