@@ -1,8 +1,8 @@
 """The method: pure functions from a mesh to its segments. Runs without Jupyter.
 
-Data flows downwards: mesh, preprocess, items, dihedral, operators, features, distances, kmedoids,
-ensemble, consensus, finish, hull, relief, segmentation, pipeline. Each is a module, imported on first use:
-``sw.engine.distances.all_pairs(graph)``.
+Data flows downwards: mesh, preprocess, items, orientation, dihedral, operators, features, distances,
+kmedoids, ensemble, consensus, finish, hull, relief, segmentation, pipeline. Each is a module, imported on
+first use: ``sw.engine.distances.all_pairs(graph)``.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from typing import Any, Literal, get_args
 from scenewidget.engine.consensus import Leftover
 from scenewidget.engine.ensemble import Allocation
 from scenewidget.engine.kmedoids import Init
+from scenewidget.engine.orientation import Orientation
 from scenewidget.engine.preprocess import Simplifier
 
 __all__ = ["Consensus", "Feature", "ItemKind", "Params"]
@@ -25,6 +26,7 @@ Consensus = Literal["peac", "linkage", "median"]
 _CHOICES: dict[str, tuple[Any, ...]] = {
     "items": get_args(ItemKind),
     "simplifier": get_args(Simplifier),
+    "orientation": get_args(Orientation),
     "feature": get_args(Feature),
     "laplacian": ("cotangent", "robust"),
     "dihedral_order": ("index", "area"),
@@ -88,6 +90,8 @@ class Params:
         Most items. Thesis: 10 000.
     simplifier : str
         "fast" or "qslim"; see `preprocess.simplify`.
+    orientation : str
+        Which side is free space: "auto", "as given" or "turned"; see `orientation.oriented`.
     filter_sweeps : int
         Sweeps of the normal filter under the superfacets.
     bridge : float
@@ -148,6 +152,7 @@ class Params:
     items: ItemKind = "superfacets"
     n_items: int = 6_000
     simplifier: Simplifier = "fast"
+    orientation: Orientation = "auto"
     filter_sweeps: int = 30
     bridge: float = 0.06
     n_slots: int = 64

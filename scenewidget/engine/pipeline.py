@@ -46,6 +46,7 @@ from scenewidget.engine.items import Items, simplified_items, superfacet_items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, face_adjacency, load_mesh
 from scenewidget.engine.monitor import Monitor, Progress
 from scenewidget.engine.operators import Eigenbasis, eigenbasis
+from scenewidget.engine.orientation import Orientation, oriented
 from scenewidget.engine.params import Params
 from scenewidget.engine.relief import separate_reliefs
 from scenewidget.engine.segmentation import Segmentation, order_by_area
@@ -295,10 +296,23 @@ def stages(params: Params) -> dict[str, Stage]:
 
     if p.items == "superfacets":
         items = stage(
-            "items", _superfacets, "adjacency", n_items=p.n_items, sweeps=p.filter_sweeps, bridge=p.bridge
+            "items",
+            _superfacets,
+            "adjacency",
+            orientation=p.orientation,
+            n_items=p.n_items,
+            sweeps=p.filter_sweeps,
+            bridge=p.bridge,
         )
     else:
-        items = stage("items", _simplified, "adjacency", n_faces=p.n_items, simplifier=p.simplifier)
+        items = stage(
+            "items",
+            _simplified,
+            "adjacency",
+            orientation=p.orientation,
+            n_faces=p.n_items,
+            simplifier=p.simplifier,
+        )
     table = [
         stage("adjacency", _adjacency),
         items,
@@ -420,12 +434,16 @@ def _adjacency(mesh: Mesh, *, monitor: Monitor) -> IntArray:
     return monitor.call(face_adjacency, mesh)
 
 
-def _superfacets(mesh: Mesh, pairs: IntArray, *, monitor: Monitor, **options: Any) -> Items:
-    return superfacet_items(mesh, pairs, monitor=monitor, **options)
+def _superfacets(
+    mesh: Mesh, pairs: IntArray, *, monitor: Monitor, orientation: Orientation, **options: Any
+) -> Items:
+    return oriented(superfacet_items(mesh, pairs, monitor=monitor, **options), orientation)
 
 
-def _simplified(mesh: Mesh, pairs: IntArray, *, monitor: Monitor, **options: Any) -> Items:
-    return simplified_items(mesh, pairs, monitor=monitor, **options)
+def _simplified(
+    mesh: Mesh, pairs: IntArray, *, monitor: Monitor, orientation: Orientation, **options: Any
+) -> Items:
+    return oriented(simplified_items(mesh, pairs, monitor=monitor, **options), orientation)
 
 
 def _dihedral(mesh: Mesh, items: Items, *, monitor: Monitor, n_slots: int, order: Any) -> IntArray:

@@ -1,0 +1,76 @@
+"""Which side of the surface is free space, and whether the coordinates are metres.
+
+Goes in: items of a mesh. Come out: items whose normals point into the room, and remarks on what was found.
+Whether an edge is convex, and what is a wall, depends on the side; thresholds are in metres.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from typing import Literal
+
+import numpy as np
+
+from scenewidget.engine.items import Items
+
+__all__ = ["Orientation", "facing", "oriented"]
+
+Orientation = Literal["auto", "as given", "turned"]
+
+CLEAR = 0.2  # rooms have 0.44 to 0.68, a ball from outside −1
+ROOM = 2.2  # metres; smaller things are looked at from outside
+FEWEST, MOST = 0.02, 300.0  # metres across; less or more is likely to be another unit
+
+
+def facing(items: Items) -> float:
+    """How much the surface looks towards the middle of the scan, from −1 (a ball from outside) to 1.
+
+    Mean over the area of ⟨N, m − x⟩ over that of |m − x|, m the centroid of the surface.
+    """
+    apart = np.average(items.centroids, axis=0, weights=items.areas) - items.centroids
+    away = np.average(np.linalg.norm(apart, axis=1), weights=items.areas)
+    towards = np.average(np.einsum("ij,ij->i", items.normals, apart), weights=items.areas)
+    return float(towards / away) if away > 0 else 0.0
+
+
+def oriented(items: Items, orientation: Orientation = "auto") -> Items:
+    """Items with normals that point into free space; ``report["orientation"]`` says what was found.
+
+    Parameters
+    ----------
+    items : Items
+    orientation : str
+        "auto" turns the normals of what is as large as a room and looks outwards: some programs export
+        rooms inside out. What looks outwards and is smaller is an object seen from outside. "as given"
+        turns nothing, "turned" all.
+
+    Warns
+    -----
+    UserWarning
+        The mesh is so large or so small that its unit can hardly be the metre.
+    """
+    if not items.areas.sum() > 0:
+        return items
+    extent = np.sort(np.ptp(items.mesh.vertices[items.mesh.faces].reshape(-1, 3), axis=0))
+    if not FEWEST <= extent[2] <= MOST:
+        what = "millimetres or centimetres" if extent[2] > MOST else "another unit"
+        warnings.warn(
+            f"the mesh is {extent[2]:.4g} across, and thresholds are in metres; if these are {what}, scale "
+            "it: Mesh(mesh.vertices * 0.001, mesh.faces, mesh.vertex_colors) for millimetres",
+            stacklevel=2,
+        )
+    towards = facing(items)
+    is_outward = towards < -CLEAR
+    is_room = extent[1] >= ROOM
+    turns = orientation == "turned" or (orientation == "auto" and is_outward and is_room)
+    if abs(towards) <= CLEAR:
+        found = "open: its normals are taken as they are"
+    elif not is_outward:
+        found = "room, seen from inside"
+    elif is_room:
+        found = "room, inside out" + (": its normals are turned" if turns else "")
+    else:
+        found = "object, seen from outside"
+    normals = -items.normals if turns else items.normals
+    return dataclasses.replace(items, normals=normals, report={**items.report, "orientation": found})
