@@ -354,7 +354,7 @@ class SceneWidget(widgets.VBox):
         with self._lock:
             self._shown_params = params
             seconds = time.perf_counter() - self._started
-            summary = f"{segmentation.coverage:.1%} of the faces labeled, in {seconds:.1f} s"
+            summary = f"{segmentation.coverage:.1%} of the faces labelled, in {seconds:.1f} s"
             if lost:
                 summary += f"; {lost} of the edits don't apply to it, see session.history"
             self._end(summary)
