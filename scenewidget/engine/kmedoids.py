@@ -65,8 +65,10 @@ def k_medoids(
     init : str
         The four ways of Park and Jun, section 3.4: "random" (Method 1, the thesis' choice), "systematic"
         (every n/k-th item by ascending total distance), "sample" (the medoids of a random 10 %), "outmost"
-        (the k items farthest from the most central one); and "k-medoids++" (each next one drawn with
-        probability proportional to its squared distance to the chosen ones; Arthur and Vassilvitskii 2007).
+        (the k items farthest from the most central one; of unconnected parts each has a centre of its own,
+        and the farthest item of each comes first, the largest parts before the smaller); and
+        "k-medoids++" (each next one drawn with probability proportional to its squared distance to the
+        chosen ones; Arthur and Vassilvitskii 2007).
     backend : str
         "numpy" is ours; "sklearn-extra" runs ``sklearn_extra.cluster.KMedoids(method="alternate")`` from
         the same initial medoids.
@@ -141,8 +143,7 @@ def initial_medoids(
         inner = np.ascontiguousarray(D[np.ix_(sample, sample)])
         return np.asarray(sample[_alternate(inner, start, MAX_ITER)[1]], dtype=np.int32)
     if init == "outmost":
-        center = int(np.argmin(_finite_totals(D)))
-        return np.argsort(-D[center], kind="stable")[:k].astype(np.int32)
+        return _outmost(D, k)
     if init == "k-medoids++":
         chosen = [int(rng.integers(n))]
         nearest = D[chosen[0]].astype(np.float64)
@@ -157,6 +158,23 @@ def initial_medoids(
             nearest = np.minimum(nearest, D[chosen[-1]])
         return np.array(chosen, dtype=np.int32)
     raise ValueError(f"init must be one of {', '.join(map(repr, INITS))}, got {init!r}")
+
+
+def _outmost(D: Any, k: int) -> IntArray:
+    """The k items farthest from the centre of their part, one of each part first."""
+    reach = np.isfinite(D)
+    totals = np.where(reach, D, 0.0).sum(axis=1, dtype=np.float64)
+    part = reach.argmax(axis=1)  # the first item that is within reach
+    is_first = np.zeros(len(D), dtype=bool)
+    away = np.empty(len(D))
+    for first in np.unique(part):
+        inside = np.flatnonzero(part == first)
+        center = inside[np.argmin(totals[inside])]
+        away[inside] = D[center, inside]
+        is_first[inside[np.argmax(away[inside])]] = True
+    size = np.bincount(part, minlength=len(D))[part]
+    order = np.lexsort((-away, np.where(is_first, -size, 0), ~is_first))
+    return np.asarray(order[:k], dtype=np.int32)
 
 
 def _finite_totals(D: Any) -> Any:

@@ -149,6 +149,26 @@ def test_every_start_is_k_distinct_items(problem, init):
     assert 0 <= medoids.min() <= medoids.max() < len(D)
 
 
+def test_outmost_items_of_unconnected_parts_are_far_from_the_centres_of_their_own_parts():
+    D = np.full((10, 10), np.inf)
+    for start, places in ((0, [0.0, 1, 2, 3, 9]), (5, [0.0, 5, 6]), (8, [0.0, 1])):
+        inside = slice(start, start + len(places))
+        D[inside, inside] = np.abs(np.subtract.outer(places, places))
+    assert initial_medoids(D, 2, init="outmost").tolist() == [4, 5]  # the ends of the two larger parts
+    assert initial_medoids(D, 3, init="outmost").tolist() == [4, 5, 9]
+    assert initial_medoids(D, 5, init="outmost").tolist() == [4, 5, 9, 0, 1]
+    assert (k_medoids(D, 3, init="outmost").labels >= 0).all()
+
+
+@given(problems())
+def test_outmost_reaches_every_part_that_it_can(problem):
+    D, k, _ = problem
+    parts = [set(np.flatnonzero(row).tolist()) for row in np.unique(np.isfinite(D), axis=0)]
+    medoids = set(initial_medoids(D, k, init="outmost").tolist())
+    reached = sum(bool(part & medoids) for part in parts)
+    assert reached == min(k, len(parts))
+
+
 def test_starts_follow_park_and_jun():
     totals = LINE.sum(axis=1)
     by_total = np.argsort(totals, kind="stable")
