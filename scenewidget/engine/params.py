@@ -7,9 +7,11 @@ the same code.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, TypeVar, get_args
 
 from scenewidget.engine.consensus import Leftover
 from scenewidget.engine.ensemble import Allocation
@@ -22,6 +24,7 @@ __all__ = ["Consensus", "Feature", "ItemKind", "Params"]
 ItemKind = Literal["superfacets", "simplified"]
 Feature = Literal["normals", "cotangent", "uniform", "gps", "hks", "wks"]
 Consensus = Literal["peac", "linkage", "median"]
+_T = TypeVar("_T")
 
 _CHOICES: dict[str, tuple[Any, ...]] = {
     "items": get_args(ItemKind),
@@ -59,6 +62,32 @@ _RANGES: dict[str, tuple[float, float]] = {  # inclusive
 }
 
 
+def _explaining_typos(cls: type[_T]) -> type[_T]:
+    """The class with a constructor that names the option which an unknown one may have meant."""
+    plain = cls.__init__
+
+    @functools.wraps(plain)
+    def init(self: _T, *args: Any, **options: Any) -> None:
+        if args:
+            raise TypeError("Params takes options by name only, as in Params(n_segments=30)")
+        _check_names(options, [field.name for field in dataclasses.fields(cls)])  # type: ignore[arg-type]
+        plain(self, **options)
+
+    cls.__init__ = init  # type: ignore[assignment]
+    return cls
+
+
+def _check_names(given: Iterable[str], names: list[str]) -> None:
+    for name in given:
+        if name not in names:
+            import difflib
+
+            close = difflib.get_close_matches(name, names, n=1)
+            hint = f"; did you mean {close[0]!r}?" if close else f"; options are {', '.join(names)}"
+            raise TypeError(f"Params has no option {name!r}{hint}")
+
+
+@_explaining_typos
 @dataclass(frozen=True, kw_only=True)
 class Params:
     """Options of `segment`; make variants with ``params.replace(n_segments=30)``.
@@ -226,14 +255,7 @@ class Params:
         ValueError
             A value out of range.
         """
-        names = [field.name for field in dataclasses.fields(self)]
-        for name in changes:
-            if name not in names:
-                import difflib
-
-                close = difflib.get_close_matches(name, names, n=1)
-                hint = f"; did you mean {close[0]!r}?" if close else f"; options are {', '.join(names)}"
-                raise TypeError(f"Params has no option {name!r}{hint}")
+        _check_names(changes, [field.name for field in dataclasses.fields(self)])
         return dataclasses.replace(self, **changes)
 
     @property

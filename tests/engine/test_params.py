@@ -1,6 +1,7 @@
 """Every option of `Params`: its kind, its range, its name."""
 
 import dataclasses
+import inspect
 import math
 
 import pytest
@@ -94,8 +95,11 @@ def test_a_typo_gets_a_suggestion():
         Params().replace(zzz=3)
     with pytest.raises(TypeError, match="no option 'cost_exponant'; did you mean 'cost_exponent'"):
         Params.thesis(cost_exponant=1.0)
-    with pytest.raises(TypeError, match="unexpected keyword argument 'n_segment'"):
+    with pytest.raises(TypeError, match="no option 'n_segment'; did you mean 'n_segments'"):
         Params(n_segment=3)
+    with pytest.raises(TypeError, match="options by name only"):
+        Params(3)
+    assert "n_segments" in inspect.signature(Params).parameters
 
 
 def test_params_are_frozen_values():
