@@ -1,11 +1,16 @@
-"""Checks of arguments that several stages share."""
+"""Checks of arguments that several stages share, and warnings that point at the caller's line."""
 
 from __future__ import annotations
 
 import operator
+import sys
+import warnings
+from pathlib import Path
 from typing import Any
 
-__all__ = ["checked_count"]
+__all__ = ["checked_count", "warn_caller"]
+
+_PACKAGE = str(Path(__file__).parent.parent)
 
 
 def checked_count(name: str, value: Any, *, most: int | None = None) -> int:
@@ -34,3 +39,11 @@ def checked_count(name: str, value: Any, *, most: int | None = None) -> int:
     if most is not None and count > most:
         raise ValueError(f"{name} must be at most {most}, got {count}")
     return count
+
+
+def warn_caller(message: str) -> None:
+    """A `UserWarning` at the line outside this package that led here, however deep the call."""
+    depth, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+        depth, frame = depth + 1, frame.f_back
+    warnings.warn(message, stacklevel=depth + 1)

@@ -25,6 +25,7 @@ __all__ = [
     "base_segments",
     "co_association",
     "cut_tree",
+    "mean_agreement",
     "median_partition",
     "peac",
     "settle_leftovers",
@@ -136,6 +137,42 @@ def _count_both(table):  # type: ignore[no-untyped-def]
                 both += table[i, r] >= 0 and table[j, r] >= 0
             seen[i, j] = seen[j, i] = both
     return seen
+
+
+def mean_agreement(C: FloatArray, base: IntArray, segment: IntArray, weights: FloatArray) -> FloatArray:
+    """Weighted mean co-association of each piece with all pieces of its segment, itself included.
+
+    Parameters
+    ----------
+    C : (n_base, n_base) float64
+    base, segment : (n_pieces,) int
+        Base segment that each piece belongs to, and the segment, from 0.
+    weights : (n_pieces,) float64
+        Positive.
+
+    Returns
+    -------
+    agreement : (n_pieces,) float64
+    """
+    order = np.argsort(segment, kind="stable")
+    start = np.concatenate([[0], np.cumsum(np.bincount(segment))])
+    out = np.empty(len(base))
+    out[order] = _mean_within(C, base[order], np.asarray(weights, dtype=np.float64)[order], start)
+    return out
+
+
+@numba.njit(cache=True, nogil=True)
+def _mean_within(C, base, weights, start):  # type: ignore[no-untyped-def]
+    out = np.empty(len(base))
+    for s in range(len(start) - 1):
+        for p in range(start[s], start[s + 1]):
+            row = C[base[p]]
+            total, mass = 0.0, 0.0
+            for q in range(start[s], start[s + 1]):
+                total += weights[q] * row[base[q]]
+                mass += weights[q]
+            out[p] = total / mass
+    return out
 
 
 def settle_leftovers(

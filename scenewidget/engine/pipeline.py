@@ -10,7 +10,6 @@ import dataclasses
 import os
 import threading
 import time
-import warnings
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
@@ -19,11 +18,13 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
+from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.consensus import (
     CoAssociation,
     average_linkage,
     co_association,
     cut_tree,
+    mean_agreement,
     median_partition,
     peac,
     settle_leftovers,
@@ -539,10 +540,9 @@ def _warn_of_vanishing_features(steps: FloatArray, costs: FloatArray) -> None:
         return
     flat = float(np.mean(steps[is_crease] <= 1e-6 * np.quantile(steps, 0.95)))
     if flat > 0.2:
-        warnings.warn(
+        warn_caller(
             f"{flat:.0%} of the creases have the same feature on both sides, so distances ignore them "
-            "(clean, noise-free mesh?); feature_floor=0.05 lets the normals count there",
-            stacklevel=2,
+            "(clean, noise-free mesh?); feature_floor=0.05 lets the normals count there"
         )
 
 
@@ -664,7 +664,8 @@ def _consensus_peac(
         if count <= 1 or len(inside) == 1 or not co.weights[inside].sum() > 0:
             labels = np.zeros(len(inside), dtype=np.int32)
         else:
-            C, weights = np.ascontiguousarray(co.C[np.ix_(inside, inside)]), co.weights[inside]
+            C = co.C if len(inside) == len(component) else np.ascontiguousarray(co.C[np.ix_(inside, inside)])
+            weights = co.weights[inside]
             result = peac(
                 C, weights, int(count), seed=np.random.SeedSequence(seed, spawn_key=(c,)), monitor=monitor
             )
@@ -675,14 +676,15 @@ def _consensus_peac(
         offset += int(labels.max()) + 1
     total = float(co.weights.sum())
     if total > 0 and left > 0.05 * total:
-        warnings.warn(
+        warn_caller(
             f"{left / total:.0%} of the area has no cluster with a probability of at least ½; "
-            "raise n_segments, or settle it with another leftover",
-            stacklevel=2,
+            "raise n_segments, or join what is left over: leftover='argmax' gives it to the likeliest "
+            "cluster, leftover='linkage' groups it"
         )
     if unsolved:
-        warnings.warn(
-            f"the consensus did not converge in {unsolved} of {len(counts)} components", stacklevel=2
+        warn_caller(
+            f"the consensus did not converge in {unsolved} of {len(counts)} components, so its segments hang "
+            "on the seed more than they should; try another seed, or consensus='linkage'"
         )
     return out
 
@@ -726,11 +728,10 @@ def _segmentation(
     raw = np.append(labels, -1)[face_map]
     dense, kept = order_by_area(raw, mesh.face_areas)
     if (dense >= 0).mean() < 0.5:
-        warnings.warn(
+        warn_caller(
             f"only {(dense >= 0).mean():.1%} of the faces are labeled: the mesh is in many pieces, and most "
             "were too small to keep (see report); weld it first, or use items='superfacets' with more "
-            "n_items",
-            stacklevel=2,
+            "n_items"
         )
     rank = np.full(int(labels.max()) + 1, -1, dtype=np.int32)
     rank[kept] = np.arange(len(kept), dtype=np.int32)
@@ -784,8 +785,5 @@ def _confidence(co: CoAssociation, labels: IntArray) -> FloatArray:
     base, segment_of = co.base[index], labels[index]  # pieces: a base segment within a segment
     area = np.bincount(co.base, minlength=n_base)
     weight = co.weights[base] * np.bincount(inverse, minlength=len(code)) / area[base]
-    member = sparse.csr_array((np.maximum(weight, 1e-300), (base, segment_of)), shape=(n_base, n))
-    agreement = np.asarray(co.C @ member.toarray()) if n * n_base < 2e7 else np.asarray((member.T @ co.C).T)
-    mass = np.asarray(member.sum(axis=0)).ravel()
-    share = np.clip(agreement[base, segment_of] / mass[segment_of], 0.0, 1.0)
+    share = np.clip(mean_agreement(co.C, base, segment_of, np.maximum(weight, 1e-300)), 0.0, 1.0)
     return calibrated(share[inverse])

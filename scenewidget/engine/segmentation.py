@@ -76,7 +76,7 @@ class Segmentation:
         n = self.mesh.n_faces
         labels = _face_array("labels", self.labels, n, np.int32)
         lowest, highest = int(labels.min()), int(labels.max())
-        present = np.zeros(highest + 1, dtype=bool)
+        present = np.zeros(max(highest, -1) + 1, dtype=bool)
         present[labels[labels >= 0]] = True
         if lowest < -1 or not present.all():
             raise ValueError(
@@ -184,7 +184,9 @@ class Segmentation:
         moments = face_moments(mesh).gather(labels, n)
         keep = labels >= 0
         inside = labels[keep]
-        normal = np.stack([np.bincount(inside, v[keep], n) for v in mesh.face_vectors.T], axis=1)
+        normal = np.stack([np.bincount(inside, v[keep], n) for v in mesh.face_vectors.T], axis=1).astype(
+            float
+        )
         length = np.linalg.norm(normal, axis=1, keepdims=True)
         normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
         centroid = moments.centroid + moment_origin(mesh)
@@ -224,12 +226,19 @@ def order_by_area(labels: IntArray, areas: FloatArray) -> tuple[IntArray, IntArr
     keep = labels >= 0
     if not keep.any():
         return out, np.empty(0, dtype=np.int64)
-    old, first, inverse = np.unique(labels[keep], return_index=True, return_inverse=True)
+    inside = labels[keep].astype(np.int64)
+    if int(inside.max()) > 2 * len(inside):  # sparse numbers: make them dense before counting
+        old, inverse = np.unique(inside, return_inverse=True)
+    else:
+        old, inverse = np.arange(int(inside.max()) + 1), inside
+    first = np.full(len(old), len(inside))
+    first[inverse[::-1]] = np.arange(len(inside))[::-1]  # the last written is the first in the array
     order = np.lexsort((first, -np.bincount(inverse, areas[keep])))
-    rank = np.empty(len(old), dtype=np.int32)
-    rank[order] = np.arange(len(old), dtype=np.int32)
+    order = order[first[order] < len(inside)]
+    rank = np.full(len(old), -1, dtype=np.int32)
+    rank[order] = np.arange(len(order), dtype=np.int32)
     out[keep] = rank[inverse]
-    return out, old[order].astype(np.int64)
+    return out, old[order]
 
 
 def _checked_keys(keys: Any, base: IntArray | None) -> IntArray:

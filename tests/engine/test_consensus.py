@@ -12,6 +12,7 @@ from scenewidget.engine.consensus import (
     base_segments,
     co_association,
     cut_tree,
+    mean_agreement,
     median_partition,
     settle_leftovers,
 )
@@ -40,6 +41,20 @@ def test_coassociation_is_the_share_of_runs_that_saw_both(keys):
     np.testing.assert_allclose(C[np.ix_(base, base)], expected)
     np.testing.assert_allclose(observed[np.ix_(base, base)], both / keys.shape[1])
     np.testing.assert_allclose(areas, np.bincount(base, weights))
+
+
+@given(ensembles(), st.integers(0, 99))
+def test_agreement_is_the_mean_coassociation_with_the_segment(keys, seed):
+    rng = np.random.default_rng(seed)
+    C = co_association(keys).C
+    n_pieces = int(rng.integers(1, 2 * len(C) + 1))
+    base, segment = rng.integers(0, len(C), n_pieces), rng.integers(0, 3, n_pieces)
+    weights = rng.uniform(0.1, 2, n_pieces)
+    expected = [
+        np.average(C[base[p], base[segment == segment[p]]], weights=weights[segment == segment[p]])
+        for p in range(n_pieces)
+    ]
+    np.testing.assert_allclose(mean_agreement(C, base, segment, weights), expected)
 
 
 @given(ensembles(), st.permutations(range(5)))
