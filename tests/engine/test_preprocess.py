@@ -12,7 +12,13 @@ from hypothesis import strategies as st
 from strategies import messy_meshes
 
 from scenewidget.engine.mesh import Mesh, MeshError, connected_components, face_adjacency
-from scenewidget.engine.preprocess import filter_normals, keep_components, neighbor_table, simplify
+from scenewidget.engine.preprocess import (
+    _shortest_edges,
+    filter_normals,
+    keep_components,
+    neighbor_table,
+    simplify,
+)
 
 
 def sizes_kept(sizes, **options):
@@ -115,6 +121,28 @@ def test_torn_surfaces_are_bridged_where_the_scan_was_whole():
     result = simplify(noisy, n_faces=400)
     pairs = np.concatenate([face_adjacency(result.mesh), result.bridges])
     assert connected_components(result.mesh.n_faces, pairs)[0] == 1
+
+
+@pytest.mark.parametrize("n_faces", [200, 400, 1000])
+def test_small_targets_are_met_on_torn_surfaces_too(n_faces):
+    """The library alone stops at a thousand faces here: it keeps every border."""
+    sheet = shapes.grid_square(60, size=3.0)
+    rng = np.random.default_rng(0)
+    noisy = Mesh(sheet.vertices + rng.normal(scale=0.01, size=sheet.vertices.shape), sheet.faces)
+    torn = Mesh(noisy.vertices, noisy.faces[rng.random(noisy.n_faces) < 0.75])
+    result = simplify(torn, n_faces=n_faces, smallest=0.0, coverage=1.0, smallest_simplified=0.0)
+    assert abs(result.report["simplified faces reached"] - n_faces) <= 0.1 * n_faces
+    assert (result.face_map >= 0).mean() > 0.95
+    distance = np.abs(result.mesh.vertices[:, 2])
+    assert distance.max() < 0.05
+
+
+def test_no_piece_vanishes_while_the_target_is_approached():
+    mesh = shapes.fragments(60)  # 8 faces each
+    vertices, faces = _shortest_edges(np.array(mesh.vertices), np.array(mesh.faces), 30)
+    pieces, _ = connected_components(len(faces), face_adjacency(Mesh(vertices, faces)))
+    assert pieces == 60
+    assert len(faces) <= 120
 
 
 @pytest.mark.parametrize("simplifier", ["fast", "qslim"])
