@@ -40,6 +40,8 @@ class ParamsControls(anywidget.AnyWidget):
         As they are set.
     code : str
         Python that makes these parameters.
+    can_suggest : bool
+        Whether "Next suggestion" is offered.
     can_rerun : bool
         Whether "Segment again" is offered: the picture isn't what the settings say, after a cancel or an
         error.
@@ -50,6 +52,7 @@ class ParamsControls(anywidget.AnyWidget):
 
     params = traitlets.Instance(Params)
     can_rerun = traitlets.Bool(False).tag(sync=True)
+    can_suggest = traitlets.Bool(False).tag(sync=True)
     code = traitlets.Unicode(read_only=True).tag(sync=True)
 
     fields: Any = traitlets.List(read_only=True).tag(sync=True)

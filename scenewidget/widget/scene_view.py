@@ -86,6 +86,8 @@ Only in ``mode="edit"``; faces are those of the mesh as given, ``level`` a name 
 ``{"kind": "cut", "face_a": 12, "face_b": 40, "revision": 3}``
     Divide the segment under both; shown only once `set_atoms` or `set_segments` brings it.
 ``{"kind": "relabel", "face": 12, "name": "chair", "revision": 3}``
+``{"kind": "suggest", "do": "next", "number": 0}``
+    Or "accept", "skip", "close": of the ``suggestion`` that has this number.
 ``{"kind": "undo"}``, ``{"kind": "redo"}``, ``{"kind": "go_to", "n": 5}``
     The last one: undo or redo until so many edits are done.
 
@@ -173,6 +175,7 @@ class SceneView(anywidget.AnyWidget):
     vocabulary = traitlets.List(traitlets.Unicode()).tag(sync=True)
     undo_title = traitlets.Unicode().tag(sync=True)
     redo_title = traitlets.Unicode().tag(sync=True)
+    suggestion: Any = traitlets.Dict(read_only=True).tag(sync=True)
     errors_title = traitlets.Unicode(read_only=True).tag(sync=True)
     camera_group = traitlets.Unicode().tag(sync=True)
     height = traitlets.Int(560, min=120).tag(sync=True)

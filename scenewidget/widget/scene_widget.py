@@ -31,6 +31,7 @@ from scenewidget.widget.previewer import Previewer, preview_params
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scoring import Scorer, score_rows
 from scenewidget.widget.stages import STAGE_NAMES
+from scenewidget.widget.suggesting import Suggesting
 from scenewidget.widget.worker import Newest, Worker
 
 __all__ = ["SceneWidget"]
@@ -124,6 +125,7 @@ class SceneWidget(widgets.VBox):
         self._keeper = Keeper(self.view, self._lock, autosave, self.restore)
         self._editor = Editor(self.view, self._lock, self._keeper, self._take_edit)
         self._editor.vocabulary = None if vocabulary is None else chosen_vocabulary(vocabulary)
+        self._suggesting = Suggesting(self.view, self._lock, lambda: self.session, self._editor.remark)
         self._is_restoring = False
         self._error: BaseException | None = None
         self._shown_params: Params | None = None
@@ -310,11 +312,14 @@ class SceneWidget(widgets.VBox):
         kind = message.get("kind") if isinstance(message, dict) else None
         if kind == "cancel":
             self.cancel()
+        elif kind == "suggest":
+            self._suggesting.handle(message)
         else:
             self._editor.handle(message)
 
     def _take_edit(self) -> None:
         """The session has changed: whoever observes the segmentation is told, others get it when they ask."""
+        self._suggesting.forget()
         if self._scorer is not None:
             self._scoring.submit(self._score)
         if self._is_observed:
@@ -366,6 +371,7 @@ class SceneWidget(widgets.VBox):
         with self._lock:
             if params == self._shown_params:
                 self.view.set_family(family)
+                self.controls.can_suggest = True
                 self.controls.offer_family([family.least, family.most, family.segmentation.n_segments])
 
     def _show_error(self, error: BaseException) -> None:

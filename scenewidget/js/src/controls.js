@@ -12,7 +12,7 @@ import { watchTheme } from "./theme.js";
 const MOVE_MS = 80; // between two previews that are asked for
 const STATE = [
   ...["values", "k_bounds", "idle", "problems", "changed", "family", "preset", "presets", "code"],
-  ...["can_rerun", "scores", "revision"],
+  ...["can_rerun", "can_suggest", "scores", "revision"],
 ];
 
 /**
@@ -64,6 +64,8 @@ function render({ model, el }) {
       update();
     },
 
+    suggest: () => post(model.get("_channel"), { kind: "suggest" }),
+
     /** @param {Record<string, unknown>} message */
     send: (message) => model.send(message),
   };
@@ -114,6 +116,7 @@ function render({ model, el }) {
       nChanged: changed.size,
       code: model.get("code"),
       canRerun: model.get("can_rerun"),
+      canSuggest: model.get("can_suggest"),
       scores: model.get("scores"),
     });
     root.dataset.revision = String(model.get("revision"));

@@ -9,13 +9,15 @@ import { element, textButton } from "./elements.js";
  * @property {number} nChanged  settings that differ from the preset
  * @property {string} code
  * @property {boolean} canRerun
+ * @property {boolean} canSuggest
  * @property {Array<{ name: string, text: string, tip: string, trend: "" | "better" | "worse" }>} scores
  */
 
 const COPIED_MS = 2500;
 
-/** @param {{ send: (message: Record<string, unknown>) => void }} actions */
-export function createBar({ send }) {
+/** @param {{ send: (message: Record<string, unknown>) => void, suggest: () => void }} actions */
+export function createBar(actions) {
+  const { send } = actions;
   const preset = element("select", {
     class: "swc-preset",
     "aria-label": "Preset",
@@ -24,11 +26,12 @@ export function createBar({ send }) {
   const reset = textButton("Reset to preset", "Take all changes back");
   const copy = textButton("Copy as code", "Copy these settings as Python");
   const rerun = textButton("Segment again", "Compute with the settings shown, after a cancel or an error");
+  const suggest = textButton("Next suggestion", "Show the edit most worth looking at (K in the picture)");
   rerun.classList.add("swc-rerun");
   const note = element("span", { class: "swc-note", role: "status" });
   const bar = element("div", { class: "swc-bar" }, [
     element("label", { class: "swc-field" }, ["Preset", preset]),
-    ...[reset, copy, note, rerun],
+    ...[reset, copy, suggest, note, rerun],
   ]);
   const scores = element("div", {
     class: "swc-scores",
@@ -40,6 +43,7 @@ export function createBar({ send }) {
   let timer = 0;
   preset.onchange = () => send({ kind: "preset", name: preset.value });
   reset.onclick = () => send({ kind: "preset", name: preset.value });
+  suggest.onclick = () => actions.suggest();
   rerun.onclick = () => send({ kind: "rerun" });
   copy.onclick = async () => {
     const isCopied = await copyText(code);
@@ -53,6 +57,7 @@ export function createBar({ send }) {
     /** @param {BarState} state */
     update(state) {
       code = state.code;
+      suggest.hidden = !state.canSuggest;
       if (preset.options.length !== state.presets.length) {
         preset.replaceChildren(...state.presets.map((name) => element("option", { value: name }, [name])));
       }

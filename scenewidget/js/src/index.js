@@ -13,6 +13,7 @@ import { createPointing } from "./pointing.js";
 import { Preview } from "./preview.js";
 import { hiddenSegments, listen, on, readMesh, summaryOf } from "./reading.js";
 import { segmentRows } from "./segments.js";
+import { createSuggesting } from "./suggesting.js";
 import { watchTheme } from "./theme.js";
 import { Viewer } from "./viewer.js";
 import { readArray } from "./wire.js";
@@ -159,6 +160,7 @@ function start({ model, el }, again) {
     onHide: () => take(new Set()),
     letGo: () => pointing.letGo(),
   });
+  createSuggesting({ ...around, pointing });
   listenToKeys({ ...around, pointing, editing });
   const connection = watchConnection(model, el, () => take(new Set()), signal);
 

@@ -46,6 +46,7 @@ export const EDIT_HELP = [
   ["Ctrl + drag, G", "brush: gather parts onto the first one"],
   ["Ctrl + click; Shift + Enter", "gather one by one; merge them"],
   ["Right click, S", "split"],
+  ["K", "next suggestion; Enter accepts it, K skips it"],
   ["C", "cut: click or drag from one side to the other"],
   ["N", "name the segment; its form lists the names of the keys 4 – 9, 0"],
   ["4 – 9, 0", "give it this name at once"],

@@ -32,6 +32,8 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
   let hoveredFace = null;
   /** Face that a linked view points at. @type {number | null} */
   let linked = null;
+  /** An edit that is suggested: the part under a face, and where it would go (−1: off). */
+  let proposal = /** @type {{ face: number, onto: number } | null} */ (null);
   /** Segment that the list points at. @type {number | null} */
   let listed = null;
   /** Whether keys were used last: without a pointer they aim at the middle. */
@@ -65,7 +67,13 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
     const isMerge = from && face !== null && tool === "merge" && !stroke;
     const target = isMerge && labelling.isTarget(from.face, face) ? view.segmentOf(face) : NONE;
     const lit = face === null && listed !== null ? listed : target;
-    view.setLook({ hovered: from ? NONE : part, picked: from ? from.part : NONE, target: lit });
+    const offered = proposal && !from ? view.partOf(proposal.face) : NONE;
+    const goal = proposal && !from && proposal.onto >= 0 ? view.segmentOf(proposal.onto) : NONE;
+    view.setLook({
+      hovered: from ? NONE : part,
+      picked: from ? from.part : offered,
+      target: lit === NONE ? goal : lit,
+    });
     panel.list.mark(face === null ? listed : view.segmentOf(face));
     root.dataset.listed = said(listed ?? NONE);
     root.dataset.hovered = said(part);
@@ -296,6 +304,12 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
     chooseSegment,
     aimed,
     showAim,
+
+    /** Light up an edit that is suggested. @param {typeof proposal} suggested */
+    propose(suggested) {
+      proposal = suggested;
+      point(true);
+    },
 
     /** Show what a linked view points at. @param {number | null} face */
     follow(face) {

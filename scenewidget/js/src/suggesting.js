@@ -1,0 +1,88 @@
+/** One edit at a time that the ensemble would like to have judged: framed, lit, and done or passed over. */
+
+import { hear } from "./channel.js";
+import { element, iconButton, textButton } from "./elements.js";
+import { on } from "./reading.js";
+
+/**
+ * @param {object} around
+ * @param {import("./wire.js").Model} around.model
+ * @param {import("./viewer.js").Viewer} around.view
+ * @param {ReturnType<typeof import("./panel.js").createPanel>} around.panel
+ * @param {import("./labelling.js").Labelling} around.labelling
+ * @param {ReturnType<typeof import("./pointing.js").createPointing>} around.pointing
+ * @param {AbortSignal} around.signal
+ */
+export function createSuggesting({ model, view, panel, labelling, pointing, signal }) {
+  const { root, canvas } = panel;
+  const text = element("span", { class: "sw-picked-text" });
+  const accept = textButton("Accept", "Do this (Enter)");
+  const skip = textButton("Skip", "Don't suggest this again (K)");
+  const close = iconButton("close", "Stop suggesting", "Esc");
+  const bar = element(
+    "div",
+    { class: "sw-picked sw-suggestion", role: "toolbar", "aria-label": "Suggestion", hidden: "" },
+    [text, accept, skip, close],
+  );
+  canvas.parentElement?.append(bar);
+  let shown = /** @type {any} */ ({});
+  let isWaiting = false; // for Python's answer
+
+  /** @param {"next" | "accept" | "skip" | "close"} what */
+  function send(what) {
+    if (labelling.isPreview || (isWaiting && what !== "close")) return;
+    isWaiting = true;
+    model.send({ kind: "suggest", do: what, number: shown.number ?? 0 });
+  }
+
+  function show() {
+    const before = shown;
+    shown = model.get("suggestion") ?? {};
+    isWaiting = false;
+    const isThere = shown.title !== undefined;
+    if (bar.hidden === isThere && !isThere && bar.contains(document.activeElement))
+      root.focus({ preventScroll: true });
+    bar.hidden = !isThere;
+    root.dataset.suggestion = isThere ? shown.kind : "";
+    text.textContent = shown.title ?? "";
+    pointing.propose(isThere ? { face: shown.face, onto: shown.onto_face } : null);
+    if (!isThere || shown.number === before.number) return;
+    if (model.get("level") !== shown.level) {
+      model.set("level", shown.level);
+      model.save_changes();
+    }
+    view.lookAt(shown.face);
+  }
+
+  accept.onclick = () => send("accept");
+  skip.onclick = () => send("skip");
+  close.onclick = () => send("close");
+  const onKey = (/** @type {KeyboardEvent} */ event) => {
+    if (event.target !== root || event.ctrlKey || event.metaKey || event.altKey) return;
+    const key = event.key.toLowerCase();
+    const isThere = !bar.hidden;
+    const meant =
+      key === "k" && isThere
+        ? "skip"
+        : key === "k" && model.get("editable")
+          ? "next"
+          : key === "enter" && isThere
+            ? "accept"
+            : key === "escape" && isThere
+              ? "close"
+              : null;
+    if (!meant) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    send(meant);
+  };
+  root.addEventListener("keydown", onKey, { signal, capture: true });
+  on(model, "change:suggestion", show, signal);
+  const onMessage = (/** @type {any} */ message) => {
+    if (message.kind !== "suggest") return;
+    send("next");
+    root.focus({ preventScroll: true });
+  };
+  hear(() => model.get("_channel"), onMessage, signal);
+  show();
+}

@@ -1,0 +1,78 @@
+"""The suggestions of a session in the picture, one at a time: shown, followed, passed over."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from scenewidget.editing.edits import EditError
+from scenewidget.editing.session import Session
+from scenewidget.editing.suggestions import Suggestion
+from scenewidget.widget.scene_view import SceneView
+
+__all__ = ["Suggesting"]
+
+
+class Suggesting:
+    """What connects `Session.suggestions` with a `SceneView`.
+
+    Parameters
+    ----------
+    view : SceneView
+    lock : RLock
+        Held while the view changes; never while the session is asked.
+    session : callable () -> Session or None
+    remark : callable (str)
+        Says something in the status line.
+    """
+
+    def __init__(
+        self,
+        view: SceneView,
+        lock: threading.RLock,
+        session: Callable[[], Session | None],
+        remark: Callable[[str], None],
+    ) -> None:
+        self._view, self._lock, self._session, self._remark = view, lock, session, remark
+        self._current: Suggestion | None = None
+        self._number = 0  # of the one that is shown; answers to another are passed over
+        self._is_following = False
+
+    def handle(self, message: dict[str, Any]) -> None:
+        """Do what a person asks for: "next", "accept", "skip" or "close"."""
+        session, what = self._session(), message.get("do")
+        current = self._current if message.get("number") == self._number else None
+        if session is None:
+            self._remark("There is nothing to suggest before the first result")
+            return
+        if what == "close":
+            self._show(None)
+            return
+        if what == "accept" and current is not None:
+            self._is_following = True
+            try:
+                session.do(current.edit)
+            except EditError as error:
+                self._remark(str(error))
+                session.dismiss(current)
+            finally:
+                self._is_following = False
+        elif what == "skip" and current is not None:
+            session.dismiss(current)
+        found = session.suggestions(1)
+        self._show(found[0] if found else None)
+        if not found:
+            self._remark("Nothing more to suggest")
+
+    def forget(self) -> None:
+        """The segments have changed by other means: what is shown may not make sense any more."""
+        if self._current is not None and not self._is_following:
+            self._show(None)
+
+    def _show(self, suggestion: Suggestion | None) -> None:
+        with self._lock:
+            self._current = suggestion
+            self._number += 1
+            words = {} if suggestion is None else {**vars(suggestion), "number": self._number}
+            self._view.set_trait("suggestion", words)

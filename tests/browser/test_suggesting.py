@@ -1,0 +1,47 @@
+"""The next best edit in the picture: asked for by a button or a key, accepted, skipped, closed."""
+
+from __future__ import annotations
+
+import pytest
+from test_explore import WIDGET
+
+
+@pytest.fixture
+def suggesting(notebook):
+    """A segmented room whose settings offer suggestions; nothing may go wrong in the console meanwhile."""
+    book = notebook([WIDGET])
+    book.run_all()
+    view = book.view()
+    view.wait("busy", "false")
+    view.settle()
+    book.page.get_by_role("button", name="Next suggestion").wait_for()
+    yield book, view
+    assert book.errors == []
+
+
+def title(view):
+    return view.root.get_by_role("toolbar", name="Suggestion").locator(".sw-picked-text").inner_text()
+
+
+def test_a_suggestion_is_shown_skipped_and_accepted(suggesting):
+    book, view = suggesting
+    best = eval(book.evaluate("[(s.kind, s.title) for s in w.session.suggestions(1)]"))
+    book.page.get_by_role("button", name="Next suggestion").click()
+    view.wait("suggestion", best[0][0])
+    assert title(view) == best[0][1]
+    number = eval(book.evaluate("w.view.suggestion['number']"))
+    view.root.press("k")
+    book.page.wait_for_function(
+        "root => root.dataset.suggestion !== undefined", arg=view.root.element_handle()
+    )
+    while eval(book.evaluate("w.view.suggestion['number']")) == number:
+        book.page.wait_for_timeout(20)
+    assert book.evaluate("w.session.edits") == "[]"
+    expected = book.evaluate("[s.edit for s in w.session.suggestions(1)]")
+    view.root.press("Enter")
+    while book.evaluate("len(w.session.edits)") != "1":
+        book.page.wait_for_timeout(20)
+    assert book.evaluate("w.session.edits") == expected
+    view.root.press("Escape")
+    view.wait("suggestion", "")
+    assert book.evaluate("w.view.suggestion") == "{}"

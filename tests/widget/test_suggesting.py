@@ -1,0 +1,77 @@
+"""Suggestions one at a time: shown, followed, passed over, and never followed unseen."""
+
+import pytest
+import shapes
+
+import scenewidget as sw
+
+SMALL = sw.Params(n_segments=6, n_runs=8, n_graph_runs=12, min_area=0.0)
+
+
+@pytest.fixture
+def widget():
+    mesh, _ = shapes.room(10, noise=0.003)
+    widget = sw.SceneWidget(mesh, SMALL, autosave=False)
+    widget.wait(60)
+    yield widget
+    widget.close()
+
+
+def ask(widget, what, number=None):
+    shown = widget.view.suggestion.get("number", 0) if number is None else number
+    widget.view._handle_custom_msg({"kind": "suggest", "do": what, "number": shown}, [])
+
+
+def test_the_next_suggestion_is_the_best_of_the_session(widget):
+    best = widget.session.suggestions(1)[0]
+    ask(widget, "next")
+    shown = widget.view.suggestion
+    assert (shown["kind"], shown["face"], shown["onto_face"]) == (best.kind, best.face, best.onto_face)
+    assert (shown["level"], shown["title"]) == (best.level, best.title)
+    assert widget.session.edits == []
+
+
+def test_accept_does_the_edit_and_shows_the_one_after_it(widget):
+    ask(widget, "next")
+    edit = widget.session.suggestions(1)[0].edit
+    ask(widget, "accept")
+    assert widget.session.edits == [edit]
+    after = widget.session.suggestions(1)
+    assert widget.view.suggestion.get("title") == (after[0].title if after else None)
+
+
+def test_skip_changes_nothing_and_does_not_come_back(widget):
+    ask(widget, "next")
+    first = widget.view.suggestion
+    ask(widget, "skip")
+    second = widget.view.suggestion
+    assert widget.session.edits == []
+    assert (second.get("face"), second.get("onto_face")) != (first["face"], first["onto_face"])
+
+
+def test_an_answer_to_another_suggestion_is_passed_over(widget):
+    ask(widget, "next")
+    number = widget.view.suggestion["number"]
+    ask(widget, "skip")
+    ask(widget, "accept", number)
+    assert widget.session.edits == []
+
+
+def test_other_edits_and_close_take_it_away(widget):
+    ask(widget, "next")
+    ask(widget, "close")
+    assert widget.view.suggestion == {}
+    ask(widget, "next")
+    labels = widget.segmentation.labels
+    widget.session.merge(0, int((labels != labels[0]).argmax()))
+    assert widget.view.suggestion == {}
+
+
+def test_when_nothing_is_left_it_says_so(widget):
+    ask(widget, "next")
+    for _ in range(500):
+        if not widget.view.suggestion:
+            break
+        ask(widget, "skip")
+    assert widget.view.suggestion == {}
+    assert widget.view.status == "Nothing more to suggest"
