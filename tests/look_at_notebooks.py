@@ -20,9 +20,9 @@ from conftest import FLAGS, serve
 NOTEBOOKS = Path(__file__).parent.parent / "notebooks"
 SCREEN = {"width": 1000, "height": 1400}
 SCROLLER = """() => [...document.querySelectorAll("*")]
-    .filter(element => getComputedStyle(element).overflowY !== "visible")
-    .reduce((best, element) => element.scrollHeight > best.scrollHeight ? element : best,
-            document.scrollingElement)"""
+    .filter(element => ["auto", "scroll"].includes(getComputedStyle(element).overflowY))
+    .reduce((best, element) => element.scrollHeight - element.clientHeight
+        > best.scrollHeight - best.clientHeight ? element : best, document.scrollingElement)"""
 
 
 def export(path: Path, folder: Path) -> None:
