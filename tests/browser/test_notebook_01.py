@@ -33,13 +33,11 @@ def test_notebook_01_segments_the_room(notebook, jupyter):
     view.settle()
     assert colours(view.pixels()) >= 6  # not blank, and segments differ
 
-    for label, value in (("Segments S", "40"), ("Cost exponent C", "2.00")):
-        slider = book.page.locator(".widget-slider").filter(has_text=label).first
-        readout = slider.locator(".widget-readout")
-        readout.click()
-        book.page.keyboard.press("Control+A")
-        book.page.keyboard.type(value)
-        book.page.keyboard.press("Enter")
+    settings = book.page.locator(".swc")
+    for label, value in (("Segments S", "40"), ("Cost exponent", "2")):
+        box = settings.get_by_role("spinbutton", name=f"{label}, exactly")
+        box.fill(value)
+        box.press("Enter")
     book.page.wait_for_function(
         "([root, before]) => root.dataset.busy === 'false' && root.dataset.segments !== before",
         arg=[view.root.element_handle(), str(n_segments)],

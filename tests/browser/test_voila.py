@@ -41,11 +41,9 @@ def test_notebook_01_works_under_voila(voila, profile):
     assert len(np.unique(view.pixels()[60:-40:4, ::4].reshape(-1, 3) // 32, axis=0)) > 20  # a coloured room
 
     before = view.state("segments")
-    slider = page.locator(".widget-slider").filter(has_text="Segments S").first
-    slider.locator(".widget-readout").click()
-    page.keyboard.press("Control+A")
-    page.keyboard.type("80")
-    page.keyboard.press("Enter")
+    box = page.get_by_role("spinbutton", name="Segments S, exactly")
+    box.fill("80")
+    box.press("Enter")
     page.wait_for_function(
         "([root, before]) => root.dataset.busy === 'false' && root.dataset.segments !== before",
         arg=[root.element_handle(), before],
