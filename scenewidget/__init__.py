@@ -22,6 +22,7 @@ What is where; ``help(sw.segment)`` and so on tell the rest:
 ``evaluate``, ``metrics``               comparison with a truth
 ``baselines``                           methods of others, to compare with
 ``SceneWidget``, ``SceneView``          the widget, and its picture alone
+``Compare``                             two segmentations of a scan beside each other
 ``figures``, ``SpectralExplorer``       pictures that teach
 ======================================  =================================================================
 

@@ -24,7 +24,7 @@ FEWEST, MOST = 0.02, 300.0  # metres across; less or more is likely to be anothe
 
 
 def facing(items: Items) -> float:
-    """How much the surface looks towards the middle of the scan, from −1 (a ball from outside) to 1.
+    """How much ``items`` look towards the middle of the scan, from −1 (a ball from outside) to 1.
 
     Mean over the area of ⟨N, m − x⟩ over that of |m − x|, m the centroid of the surface.
     """

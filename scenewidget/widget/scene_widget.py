@@ -267,6 +267,12 @@ class SceneWidget(widgets.VBox):
         """Save the picture as one file that a browser opens without Python and without a network.
 
         Everything works in it but editing and computing; see `SceneView.to_html`.
+
+        Parameters
+        ----------
+        path : path
+        title : str
+            Of the page.
         """
         return self.view.to_html(path, title=title or repr(self))
 

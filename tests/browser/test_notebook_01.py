@@ -16,6 +16,7 @@ def colours(pixels: np.ndarray) -> int:
 
 def test_notebook_01_segments_the_room(notebook, jupyter):
     shutil.copy(NOTEBOOK, jupyter.folder)
+    shutil.copytree(NOTEBOOK.parent / "images", jupyter.folder / "images", dirs_exist_ok=True)
     book = notebook(["None"], height=1000)
     book.open_file(NOTEBOOK.name)
     book.run_all()
