@@ -22,6 +22,7 @@ from scenewidget.engine.segmentation import Level
 __all__ = ["Evidence", "Suggestion", "SuggestionKey", "suggest", "suggestion_key"]
 
 SMALLEST = 2e-4  # share of the faces below which a part is not worth a question
+PROBABLE = 0.05  # least probability of a merge that is worth one: walls and floors are large, but not one
 SuggestionKey = tuple[str, frozenset[int]]
 
 
@@ -138,7 +139,7 @@ class Evidence:
         """Whole segments onto larger ones, the best so many."""
         probability = same_thing(self.between)
         gain = 2 * self.size[:, None] * self.size[None, :] * probability
-        gain[self._kept_apart()] = 0.0
+        gain[self._kept_apart() | (probability < PROBABLE)] = 0.0
         one, other = np.nonzero(np.triu(gain > 0, 1))
         order = np.argsort(-gain[one, other], kind="stable")[:most]
         out = []
