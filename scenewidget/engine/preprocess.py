@@ -201,6 +201,7 @@ def _keep_faces(mesh: Mesh, stays: BoolArray, face_map: IntArray) -> tuple[Mesh,
 def _fast(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
     import fast_simplification
 
+    before = vertices, faces
     with _FAST_SIMPLIFICATION:
         for aggressiveness in (7.0, 10.0, 15.0):  # fragmented scans stop far above the target: try harder
             vertices, faces = fast_simplification.simplify(
@@ -209,7 +210,11 @@ def _fast(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArra
             if len(faces) <= 1.05 * target:
                 break
     vertices, faces = np.asarray(vertices, dtype=np.float64), np.asarray(faces, dtype=np.int32)
-    return (vertices, faces) if len(faces) <= 1.05 * target else _shortest_edges(vertices, faces, target)
+    if 0 < len(faces) <= 1.05 * target:
+        return vertices, faces
+    if len(faces) == 0:  # a target of a few faces: the library may leave none
+        vertices, faces = before
+    return _shortest_edges(vertices, faces, target)
 
 
 def _shortest_edges(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
@@ -218,8 +223,8 @@ def _shortest_edges(vertices: FloatArray, faces: IntArray, target: int) -> tuple
     For what the library leaves of a fragmented scan: it never joins a border with the inside. A piece
     keeps a face as long as its edges are manifold, so with more pieces than ``target`` it ends above it.
     """
-    vertices = vertices.copy()
     while len(faces) > target:
+        moved = vertices.copy()
         ends = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
         edges = np.unique(ends, axis=0)
         length = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
@@ -233,17 +238,16 @@ def _shortest_edges(vertices: FloatArray, faces: IntArray, target: int) -> tuple
                 is_free[a] = is_free[b] = False
                 allowed[piece[a]] -= 1
                 parent[b] = a
-                vertices[a] = 0.5 * (vertices[a] + vertices[b])
+                moved[a] = 0.5 * (vertices[a] + vertices[b])
                 wanted -= 1
                 if wanted == 0:
                     break
-        before = len(faces)
-        faces = parent[faces]
-        faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
-        _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
-        faces = faces[np.sort(first)]
-        if len(faces) == before:
+        left = parent[faces]
+        left = left[(left != np.roll(left, 1, axis=1)).all(axis=1)]
+        _, first = np.unique(np.sort(left, axis=1), axis=0, return_index=True)
+        if len(first) == 0 or len(first) == len(faces):  # all would vanish with an edge of theirs, or none
             break
+        vertices, faces = moved, left[np.sort(first)]
     used, compact = np.unique(faces, return_inverse=True)
     return vertices[used], compact.reshape(-1, 3).astype(np.int32)
 
@@ -251,6 +255,12 @@ def _shortest_edges(vertices: FloatArray, faces: IntArray, target: int) -> tuple
 def _qslim(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
     import igl
 
+    halves = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).astype(np.int64)
+    if len(np.unique(halves[:, 0] * len(vertices) + halves[:, 1])) < len(halves):  # qslim would never return
+        raise MeshError(
+            "simplifier='qslim' needs a mesh without non-manifold edges whose faces are all wound the same "
+            "way, and this one has an edge that two faces run through in one direction; use simplifier='fast'"
+        )
     out_vertices, out_faces, _, _ = igl.qslim(vertices, faces.astype(np.int64), int(target))
     if len(out_faces) == 0:
         raise MeshError(

@@ -125,7 +125,7 @@ def test_torn_surfaces_are_bridged_where_the_scan_was_whole():
 
 @pytest.mark.parametrize("n_faces", [200, 400, 1000])
 def test_small_targets_are_met_on_torn_surfaces_too(n_faces):
-    """The library alone stops at a thousand faces here: it keeps every border."""
+    """The library alone stops at 531 faces here: it keeps every border."""
     sheet = shapes.grid_square(60, size=3.0)
     rng = np.random.default_rng(0)
     noisy = Mesh(sheet.vertices + rng.normal(scale=0.01, size=sheet.vertices.shape), sheet.faces)
@@ -135,6 +135,24 @@ def test_small_targets_are_met_on_torn_surfaces_too(n_faces):
     assert (result.face_map >= 0).mean() > 0.95
     distance = np.abs(result.mesh.vertices[:, 2])
     assert distance.max() < 0.05
+
+
+def test_qslim_refuses_inconsistent_winding_on_which_it_would_never_return():
+    ball = shapes.icosphere(3)
+    flips = np.random.default_rng(0).random((ball.n_faces, 1)) < 0.5
+    mixed = Mesh(ball.vertices, np.where(flips, ball.faces[:, ::-1], ball.faces))
+    with pytest.raises(MeshError, match=r"wound the same way.*use simplifier='fast'"):
+        simplify(mixed, n_faces=200, simplifier="qslim")
+    assert abs(simplify(mixed, n_faces=200).mesh.n_faces - 200) <= 20
+
+
+@pytest.mark.parametrize(
+    "mesh", [shapes.grid_square(8), shapes.fan(21), shapes.box(2), shapes.fragments(2), shapes.tetrahedron()]
+)
+def test_a_target_of_two_faces_leaves_some(mesh):
+    result = simplify(mesh, n_faces=2)
+    assert result.mesh.n_faces >= 1
+    assert result.face_map.max() >= 0
 
 
 def test_no_piece_vanishes_while_the_target_is_approached():
