@@ -309,8 +309,6 @@ class Partition:
     def numbering(self) -> Numbering:
         """How `segmentation` numbers and names the segments now; a few ms at most, whatever the faces."""
         labels, ids = self._dense()
-        if self._is_automatic:
-            labels, ids = self.parts["final"].astype(np.int32), np.arange(self.automatic.n_segments)
         area = _sums(self.segment + 1, self._area, self._next_id + 1)[ids + 1]
         by_atom = np.where(self._is_moved & (self._area > 0), 1.0, self._sureness)
         confidence = _sums(self.segment + 1, by_atom * self._area, self._next_id + 1)[ids + 1]
@@ -350,7 +348,12 @@ class Partition:
         return not self._is_moved.any() and self.names == self._first_names
 
     def _dense(self) -> tuple[npt.NDArray[np.int32], IntArray]:
-        """Label of each atom, and the id of the segment behind each label."""
+        """Label of each atom, and the id of the segment behind each label.
+
+        Where nothing but names was changed, those of the automatic segmentation.
+        """
+        if not self._is_moved.any():
+            return self.parts["final"].astype(np.int32), np.arange(self.automatic.n_segments)
         place, n = self.segment + 1, self._next_id + 1
         is_used = np.bincount(place, minlength=n) > 0
         is_used[0] = False  # the unlabeled ones
