@@ -9,6 +9,7 @@ whoever starts afresh gets a file with another number.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import re
 import threading
@@ -87,6 +88,8 @@ class Keeper:
         self._path = None if isinstance(autosave, bool) else self._folder / Path(autosave)
         self._problem = ""  # that kept the file from being made
         self._writing: threading.Thread | None = None
+        self._tickets = itertools.count(1)
+        self._told = 0
         self._session: Session | None = None
         self._notices: dict[str, dict[str, Any]] = {}
         self.offered = self._find()
@@ -187,6 +190,7 @@ class Keeper:
         """Show how it stands with the file; for the session in use, not for one that it has replaced."""
         if session is not self._session:
             return
+        ticket = next(self._tickets)  # whoever asks the session later knows better
         problem = session.file_problem or ("" if session.path is not None else self._problem)
         note = str(session.path or "")
         if session.read_only:
@@ -200,6 +204,9 @@ class Keeper:
         else:
             state = "unsaved" if session.history or session.undone else ""
         with self._lock, self._view.hold_sync():
+            if ticket < self._told:
+                return
+            self._told = ticket
             self._view.save_state, self._view.save_note = state, note
             if state == "failed":
                 text = f"{_sentence(note)}. Your edits are in memory only"

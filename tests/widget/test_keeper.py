@@ -318,3 +318,21 @@ def test_a_folder_that_was_removed_is_no_obstacle_to_looking(mesh, folder, monke
     widget = sw.SceneWidget(mesh, SMALL)
     assert widget.wait(60).n_segments > 1
     widget.close()
+
+
+def test_the_state_told_is_the_last_one_whoever_is_slow(show, monkeypatch):
+    widget = show(autosave=False)
+    merge(widget)
+    keeper, session = widget._keeper, widget.session
+    history = type(session).history
+
+    def slow(self):  # meanwhile another thread saves, and tells
+        monkeypatch.undo()
+        keeper.save(session, "quick.swproj")
+        return history.fget(self)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(type(session), "history", property(slow))
+        patch.setattr(monkeypatch, "undo", lambda: setattr(type(session), "history", history))
+        keeper.tell(session)
+    assert widget.view.save_state == "saved"
