@@ -110,6 +110,12 @@ class Items:
         return np.asarray(np.einsum("ij,ij->i", apart, self.normals[j] - self.normals[i]) > 0)
 
     @cached_property
+    def faces_by_item(self) -> tuple[IntArray, IntArray]:
+        """Faces sorted by item, and where each item's begin and end in that order, (n + 1,)."""
+        order = np.argsort(self.item_of_face, kind="stable").astype(np.int32)
+        return order, np.searchsorted(self.item_of_face[order], np.arange(self.n + 1))
+
+    @cached_property
     def component(self) -> IntArray:
         """(n,) int32 connected component of each item."""
         return connected_components(self.n, self.pairs)[1]

@@ -8,8 +8,10 @@ own. Normals can't see a step of a centimetre; a map of heights over the plane c
 from __future__ import annotations
 
 import heapq
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 from scipy import ndimage
 
@@ -32,7 +34,13 @@ DOUBT = 0.02  # metres over the root of a seam's cells: long seams are decided f
 
 
 def separate_reliefs(
-    items: Items, labels: IntArray, *, step: float = 0.008, smallest: float = 0.1, cell: float = 0.03
+    items: Items,
+    labels: IntArray,
+    *,
+    step: float = 0.008,
+    smallest: float = 0.1,
+    cell: float = 0.03,
+    n_threads: int = 2,
 ) -> IntArray:
     """Part what stands out of walls, floor and ceiling by a step.
 
@@ -50,6 +58,8 @@ def separate_reliefs(
         Least area of such a region, m².
     cell : float
         Side of the map's cells, metres; more where faces are larger.
+    n_threads : int
+        Doesn't change the result.
 
     Returns
     -------
@@ -57,18 +67,20 @@ def separate_reliefs(
         Dense.
     """
     planes = segment_planes(items, labels)
-    walls = []
-    for s in np.flatnonzero(planes.is_hull):
-        inside = (labels == s) & (items.normals @ planes.normals[s] > FACING)
-        if inside.any():
-            walls.append((np.flatnonzero(inside), _maps(_points(items, inside), cell)))
+    inside = items.normals @ planes.normals[planes.is_hull].T > FACING
+    walls = [
+        np.flatnonzero(inside[:, i] & (labels == s)) for i, s in enumerate(np.flatnonzero(planes.is_hull))
+    ]
+    walls = [members for members in walls if len(members)]
     if not walls:
         return labels
-    step = max(step, UNEVEN * _unevenness([seams for _, maps in walls for _, _, seams in maps]))
+    with ThreadPoolExecutor(n_threads) as pool:
+        maps = list(pool.map(lambda members: _maps(_points(items, members), cell), walls))
+    step = max(step, UNEVEN * _unevenness([seams for wall in maps for _, _, seams in wall]))
     labels = labels.copy()
     n_labels = len(planes.areas)
-    for members, maps in walls:
-        for relief in _reliefs(items.areas, members, maps, step, smallest):
+    for members, wall in zip(walls, maps):
+        for relief in _reliefs(items.areas, members, wall, step, smallest):
             labels[relief] = n_labels
             n_labels += 1
     return labels
@@ -124,9 +136,9 @@ def _regions(
 
 @dataclass(frozen=True, eq=False)
 class _Points:
-    """Faces of a wall: where on its best plane, how high over it (either side may be up), area, item."""
+    """Faces of a wall, item by item: where on its best plane, how high over it (either side may be up)."""
 
-    foot: FloatArray
+    foot: FloatArray  # (2, n)
     height: FloatArray
     area: FloatArray
     item: IntArray
@@ -154,14 +166,15 @@ class _Seams:
 _Map = tuple[IntArray, IntArray, _Seams]  # items of the cells, also without rims, and seams of the latter
 
 
-def _points(items: Items, inside: BoolArray) -> _Points:
-    owner = items.item_of_face
-    faces = np.flatnonzero((owner >= 0) & inside[owner])
+def _points(items: Items, members: IntArray) -> _Points:
+    order, start = items.faces_by_item
+    faces = np.concatenate([order[start[i] : start[i + 1]] for i in members])
     area = items.mesh.face_areas[faces]
     position = items.mesh.face_centroids[faces]
-    position = position - np.average(position, axis=0, weights=area)
-    _, axes = np.linalg.eigh((area * position.T) @ position)
-    return _Points(position @ axes[:, 1:], position @ axes[:, 0], area, owner[faces])
+    position -= (area @ position) / area.sum()
+    _, axes = np.linalg.eigh((area[:, None] * position).T @ position)
+    foot = np.ascontiguousarray(axes[:, 1:].T @ position.T)
+    return _Points(foot, position @ axes[:, 0], area, items.item_of_face[faces])
 
 
 def _maps(points: _Points, cell: float) -> list[_Map]:
@@ -179,14 +192,43 @@ def _maps(points: _Points, cell: float) -> list[_Map]:
 
 def _height_map(points: _Points, cell: float, shift: tuple[float, float]) -> _HeightMap:
     """Mean height of the faces in each cell, by area."""
-    column, row = np.floor(points.foot / cell + shift).astype(np.int64).T
-    row, column = row - row.min() + MARGIN, column - column.min() + MARGIN
-    shape = (int(row.max()) + MARGIN + 1, int(column.max()) + MARGIN + 1)
-    code = row * shape[1] + column
-    weight = _sums(code, points.area, shape[0] * shape[1])
-    height = _sums(code, points.area * points.height, shape[0] * shape[1])
-    item = _winner(code, points.item, points.area, shape[0] * shape[1])
-    return _HeightMap(weight.reshape(shape), height.reshape(shape), item.reshape(shape))
+    offset = MARGIN - np.floor(points.foot.min(axis=1) / cell + shift)
+    most = np.floor(points.foot.max(axis=1) / cell + shift) + offset
+    shape = (int(most[1]) + MARGIN + 1, int(most[0]) + MARGIN + 1)
+    across, along = np.asarray(shift) + offset
+    return _HeightMap(
+        *_rasterised(points.foot, points.height, points.area, points.item, cell, across, along, shape)
+    )
+
+
+@numba.njit(cache=True, nogil=True)
+def _rasterised(foot, height, area, item, cell, across, along, shape):  # type: ignore[no-untyped-def]
+    """Weight, weight times height, and the item with most of each cell, the lowest of equals."""
+    weight, heights = np.zeros(shape), np.zeros(shape)
+    winner, most = np.full(shape, -1, np.int32), np.zeros(shape)
+    part = np.zeros(shape)  # of the item at hand
+    rows, columns = np.empty(len(item), np.int32), np.empty(len(item), np.int32)
+    for f in range(len(item)):
+        columns[f] = int(np.floor(foot[0, f] / cell + across))
+        rows[f] = int(np.floor(foot[1, f] / cell + along))
+    begin = 0
+    while begin < len(item):
+        end = begin
+        while end < len(item) and item[end] == item[begin]:
+            r, c = rows[end], columns[end]
+            weight[r, c] += area[end]
+            heights[r, c] += area[end] * height[end]
+            part[r, c] += area[end]
+            end += 1
+        for f in range(begin, end):
+            r, c = rows[f], columns[f]
+            if part[r, c] > most[r, c]:
+                most[r, c] = part[r, c]
+                winner[r, c] = item[begin]
+        for f in range(begin, end):
+            part[rows[f], columns[f]] = 0.0
+        begin = end
+    return weight, heights, winner
 
 
 def _sums(place: IntArray, values: FloatArray, n_places: int) -> FloatArray:
