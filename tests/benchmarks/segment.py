@@ -25,6 +25,7 @@ from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline, stages
 
 PRESETS = {"default": Params(), "thesis": Params.thesis()}
+MOST_GIGABYTES = 6.0  # of distances
 
 
 def timed(function, *arguments, **options):
@@ -115,6 +116,20 @@ def growth(mesh, name: str, sizes: list[int]) -> None:
               + ", ".join(f"{stage} {s:.2f}" for stage, s in slow), flush=True)  # fmt: skip
 
 
+def growth_of_items(mesh, name: str, sizes: list[int]) -> None:
+    """Seconds of one preset on one scan, with ever more items."""
+    print(f"\n{name}: growth with the number of items")
+    for n_items in sizes:
+        params = PRESETS[name].replace(n_items=n_items)
+        if 4e-9 * n_items**2 * len(params.convex_weights) > MOST_GIGABYTES:
+            print(f"  {n_items:9} items   left out: its distances take more than {MOST_GIGABYTES:g} GB")
+            continue
+        seconds, result = timed(Pipeline(mesh).run, params)
+        slow = sorted(result.timings.items(), key=lambda item: -item[1])[:3]
+        print(f"  {result.items.n:9} items {seconds:7.2f} s  {result.n_segments:4} segments   "
+              + ", ".join(f"{stage} {s:.2f}" for stage, s in slow), flush=True)  # fmt: skip
+
+
 def main() -> None:
     """Run one part, or each in a process of its own so that peak memory is its own."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -124,6 +139,7 @@ def main() -> None:
     parser.add_argument(
         "--faces", type=int, nargs="+", default=[100_000, 300_000, 1_000_000, 2_000_000, 3_000_000]
     )
+    parser.add_argument("--items", type=int, nargs="+", default=[2_000, 5_000, 10_000, 20_000, 30_000])
     arguments = parser.parse_args()
     if arguments.part is None or arguments.preset is None:
         for part in [arguments.part] if arguments.part else ["stages", "cancel", "growth"]:
@@ -138,7 +154,7 @@ def main() -> None:
                     "--preset",
                     preset,
                 ]
-                sizes = ["--faces", *map(str, arguments.faces)]
+                sizes = ["--faces", *map(str, arguments.faces), "--items", *map(str, arguments.items)]
                 subprocess.run([*map(str, command), *sizes], check=True)
         return
     warnings.simplefilter("ignore")
@@ -150,6 +166,7 @@ def main() -> None:
         cancel_latency(mesh, arguments.preset)
     else:
         growth(mesh, arguments.preset, arguments.faces)
+        growth_of_items(mesh, arguments.preset, arguments.items)
 
 
 if __name__ == "__main__":
