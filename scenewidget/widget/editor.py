@@ -6,8 +6,9 @@ costs a few ms, however many faces there are.
 
 from __future__ import annotations
 
+import contextlib
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from scenewidget.editing.edits import Edit, EditError, Relabel
@@ -95,10 +96,10 @@ class Editor:
                 self._view.error = str(error)
         if kind not in KINDS:
             return
-        self._message.now = message
         try:
             if self.session is not None:
-                self._edit(self.session, kind, message)
+                with self.gesture(message):
+                    self._edit(self.session, kind, message)
         except EditError as error:
             self.remark(str(error))
         except Exception as error:
@@ -107,6 +108,14 @@ class Editor:
         finally:
             with self._lock:
                 self._view.answer(message)
+
+    @contextlib.contextmanager
+    def gesture(self, message: dict[str, Any]) -> Iterator[None]:
+        """Whatever this thread edits meanwhile, a person does in the picture: it begins the file."""
+        self._message.now = message
+        try:
+            yield
+        finally:
             del self._message.now
 
     def remark(self, text: str) -> None:

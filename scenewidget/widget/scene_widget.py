@@ -319,7 +319,8 @@ class SceneWidget(widgets.VBox):
         if kind == "cancel":
             self.cancel()
         elif kind == "suggest":
-            self._suggesting.handle(message)
+            with self._editor.gesture(message):
+                self._suggesting.handle(message)
         else:
             self._editor.handle(message)
 

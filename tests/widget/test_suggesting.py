@@ -40,6 +40,19 @@ def test_accept_does_the_edit_and_shows_the_one_after_it(widget):
     assert widget.view.suggestion.get("title") == (after[0].title if after else None)
 
 
+def test_an_accepted_suggestion_is_an_edit_made_in_the_picture_and_begins_the_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mesh, _ = shapes.room(10, noise=0.003)
+    widget = sw.SceneWidget(mesh, SMALL)
+    widget.wait(60)
+    ask(widget, "next")
+    ask(widget, "accept")
+    widget._keeper.wait()
+    assert len(list(tmp_path.glob("*.swproj"))) == 1
+    assert widget.view.save_state == "saved"
+    widget.close()
+
+
 def test_skip_changes_nothing_and_does_not_come_back(widget):
     ask(widget, "next")
     first = widget.view.suggestion
