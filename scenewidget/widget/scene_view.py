@@ -63,7 +63,9 @@ State, synced both ways (observe or set any of them)
 ``error`` : str
     Shown as text in a panel that people can dismiss, which sets it to ``""``.
 
-State that Python alone sets: ``levels`` (names), ``n_segments``, ``segment_names``, ``revision``.
+State that Python alone sets: ``levels`` (names), ``n_segments``, ``segment_names``, ``revision``, and
+``suggestion``, an edit to be judged: what a `Suggestion` has, and its ``number``, which alone says that there
+is none.
 
 Methods
 -------

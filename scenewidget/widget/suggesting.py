@@ -44,6 +44,7 @@ class Suggesting:
         session, what = self._session(), message.get("do")
         current = self._current if message.get("number") == self._number else None
         if session is None:
+            self._show(None)
             self._remark("There is nothing to suggest before the first result")
             return
         if what == "close":
@@ -74,5 +75,5 @@ class Suggesting:
         with self._lock:
             self._current = suggestion
             self._number += 1
-            words = {} if suggestion is None else {**vars(suggestion), "number": self._number}
-            self._view.set_trait("suggestion", words)
+            words = {} if suggestion is None else vars(suggestion)
+            self._view.set_trait("suggestion", {**words, "number": self._number})  # every answer is a change

@@ -70,21 +70,38 @@ def test_an_answer_to_another_suggestion_is_passed_over(widget):
     assert widget.session.edits == []
 
 
+def is_shown(widget):
+    return "title" in widget.view.suggestion
+
+
 def test_other_edits_and_close_take_it_away(widget):
     ask(widget, "next")
     ask(widget, "close")
-    assert widget.view.suggestion == {}
+    assert not is_shown(widget)
     ask(widget, "next")
     labels = widget.segmentation.labels
     widget.session.merge(0, int((labels != labels[0]).argmax()))
-    assert widget.view.suggestion == {}
+    assert not is_shown(widget)
 
 
 def test_when_nothing_is_left_it_says_so(widget):
     ask(widget, "next")
     for _ in range(500):
-        if not widget.view.suggestion:
+        if not is_shown(widget):
             break
         ask(widget, "skip")
-    assert widget.view.suggestion == {}
+    assert not is_shown(widget)
     assert widget.view.status == "Nothing more to suggest"
+
+
+def test_every_question_is_answered_by_a_change_also_when_there_is_nothing(widget, monkeypatch):
+    monkeypatch.setattr(sw.Session, "suggestions", lambda *_: [])
+    told = []
+    widget.view.observe(lambda change: told.append(change["new"]), "suggestion")
+    for n in (1, 2):
+        ask(widget, "next")
+        assert len(told) == n
+    widget._editor.session = None
+    ask(widget, "next")
+    assert len(told) == 3
+    assert not is_shown(widget)
