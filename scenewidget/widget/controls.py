@@ -102,7 +102,7 @@ class ParamsControls(anywidget.AnyWidget):
         on_move : callable (name, params)
             A thumb moves; so would the parameters be if it were let go here.
         on_leave : callable ()
-            It is back where it was.
+            It is back where it was, or where it can't be.
         on_rerun : callable ()
             "Segment again" was pressed.
         """
@@ -119,6 +119,8 @@ class ParamsControls(anywidget.AnyWidget):
         except (TypeError, ValueError) as error:
             self.set_trait("problems", {name: str(error)})
             self._redraw()
+            if self._on_leave is not None:
+                self._on_leave()
             return
         if params == self.params:
             self._show()

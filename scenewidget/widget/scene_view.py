@@ -498,8 +498,9 @@ class SceneView(anywidget.AnyWidget):
             self._is_preview = True
 
     def end_preview(self) -> None:
-        """Show the segments again."""
+        """Show the segments again, also where a slider let go asks for a cut of the family."""
         self._is_preview = False
+        self.send({"kind": "end_preview"})
 
     def set_family(self, family: Family | None) -> None:
         """Nested segmentations that a slider on the same channel may show as a preview; None takes them away.

@@ -159,3 +159,24 @@ def test_the_granularity_can_be_chosen_and_keeps_the_edits(widget):
     widget.controls.set("granularity", None)
     assert widget.wait(60) is widget.segmentation
     assert widget.session.automatic.n_segments == own
+
+
+@pytest.mark.parametrize("value", [None, "shown", 1.5, 0])
+def test_a_granularity_that_changes_nothing_or_can_not_be_ends_what_the_browser_shows_of_it(
+    widget, monkeypatch, value
+):
+    value = widget.segmentation.n_segments if value == "shown" else value
+    sent = []
+    monkeypatch.setattr(widget.view, "send", sent.append)
+    widget.controls._handle(None, {"kind": "set", "name": "granularity", "value": value}, [])
+    assert sent == [{"kind": "end_preview"}]
+    assert widget.params == SMALL
+    assert not widget.busy
+
+
+def test_a_value_that_is_refused_ends_the_preview(widget):
+    move(widget, "cost_exponent", 1.5)
+    assert widget._previewer.wait(30)
+    assert widget.view._is_preview
+    widget.controls.set("cost_exponent", -1)
+    assert not widget.view._is_preview

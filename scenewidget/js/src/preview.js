@@ -35,6 +35,10 @@ export class Preview {
     };
     on(model, "change:revision", settle, signal);
     on(model, "change:busy", () => model.get("busy") || settle(), signal);
+    const onMessage = (/** @type {any} */ message) => {
+      if (message?.kind === "end_preview") settle(); // what was asked for is what there is, or can't be
+    };
+    on(model, "msg:custom", onMessage, signal);
   }
 
   /** What to show instead of the segments; null if nothing. @returns {Tables | null} */

@@ -80,3 +80,27 @@ test("a computation that ends without a result ends the preview too", () => {
   model.set("busy", false);
   assert.equal(preview.tables(), null);
 });
+
+test("what the slider asks for ends where nothing comes of it, unless the slider still moves", () => {
+  const model = modelWithFamily();
+  const callbacks = /** @type {Array<(message: any) => void>} */ ([]);
+  const watched = {
+    ...model,
+    on(/** @type {string} */ event, /** @type {any} */ callback) {
+      if (event === "msg:custom") callbacks.push(callback);
+      model.on(event, callback);
+    },
+  };
+  const preview = new Preview(watched, () => {}, new AbortController().signal);
+  const tell = (/** @type {any} */ message) => {
+    for (const callback of callbacks) callback(message);
+  };
+  post("c", { kind: "granularity", n: 2, isResting: false });
+  tell({ kind: "end_preview" });
+  assert.notEqual(preview.tables(), null);
+  post("c", { kind: "granularity", n: 2, isResting: true });
+  tell({ kind: "look", from: "above" });
+  assert.notEqual(preview.tables(), null);
+  tell({ kind: "end_preview" });
+  assert.equal(preview.tables(), null);
+});
