@@ -300,6 +300,10 @@ class SceneWidget(widgets.VBox):
     def _compute(self) -> None:
         params = self.params
         self._previewer.stop()
+
+        def task(progress: Callable[[str, float], None], cancel: threading.Event) -> Any:
+            return params, self.pipeline.run(params, progress=progress, cancel=cancel)
+
         with self._lock:
             self._error = None
             self._started = time.perf_counter()
@@ -307,11 +311,7 @@ class SceneWidget(widgets.VBox):
             self.view.error = ""
             self.view.status, self.view.progress, self.view.busy = "Starting", 0.0, True
             self.controls.can_rerun = False
-
-        def task(progress: Callable[[str, float], None], cancel: threading.Event) -> Any:
-            return params, self.pipeline.run(params, progress=progress, cancel=cancel)
-
-        self._worker.submit(task)
+            self._worker.submit(task)
 
     def _handle_message(self, _: Any, message: Any, __: Any) -> None:
         """What a person did in the picture, as `SceneView` reports it."""
@@ -383,6 +383,8 @@ class SceneWidget(widgets.VBox):
 
     def _show_error(self, error: BaseException) -> None:
         with self._lock:
+            if self._worker.has_next:
+                return
             self._error = error
             self.view.error = f"{type(error).__name__}: {error}"
             self._end("The computation failed" + self._what_stays())
@@ -395,6 +397,8 @@ class SceneWidget(widgets.VBox):
         return "" if self.session is None else "; the picture shows the result before"
 
     def _end(self, summary: str) -> None:
+        if self._worker.has_next:  # whose beginning is shown already
+            return
         self._previewer.settle()
         self.controls.can_rerun = self._shown_params != self.params
         self.view.status, self.view.progress, self.view.busy = summary, 1.0, False

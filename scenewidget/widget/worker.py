@@ -52,6 +52,12 @@ class Worker:
         with self._condition:
             return self._thread is not None
 
+    @property
+    def has_next(self) -> bool:
+        """Whether a task waits that is newer than the one that runs."""
+        with self._condition:
+            return self._pending is not None
+
     def submit(self, task: Task) -> None:
         """Run a task as soon as the one under way has heard that it is no longer wanted."""
         with self._condition:

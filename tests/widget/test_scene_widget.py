@@ -147,6 +147,29 @@ def test_observers_are_told_of_results(widget):
     assert seen == [widget.wait(60)]
 
 
+def test_params_set_while_a_result_is_taken_in_leave_the_widget_busy_with_them(widget, monkeypatch):
+    widget.wait(60)
+    other, another = SMALL.replace(n_segments=5), SMALL.replace(n_segments=4)
+    seen = []
+    run = widget.pipeline.run
+
+    def watched(params, **options):
+        seen.append((params, widget.busy, widget.view.busy, widget.controls.can_rerun))
+        return run(params, **options)
+
+    monkeypatch.setattr(widget.pipeline, "run", watched)
+
+    def once(_):
+        if widget.params == other:
+            widget.params = another
+
+    widget.observe(once, "segmentation")
+    widget.params = other
+    widget.wait(60)
+    assert seen == [(other, True, True, False), (another, True, True, False)]
+    assert (widget.busy, widget.view.busy, widget.params) == (False, False, another)
+
+
 def gesture(widget, **message):
     """What the browser sends after a gesture."""
     message.setdefault("revision", widget.view.revision)
