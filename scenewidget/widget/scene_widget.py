@@ -285,6 +285,7 @@ class SceneWidget(widgets.VBox):
         if "_worker" in vars(self):  # not if __init__ refused its mesh
             self._worker.cancel()
             self.view.close()
+            self.controls.close()  # ipywidgets keeps whatever isn't closed, and that holds the rest
         super().close()
 
     def _take_params(self, change: dict[str, Any]) -> None:

@@ -1,7 +1,9 @@
 """The widget without a browser: what a script sees of it."""
 
+import gc
 import threading
 import time
+import weakref
 
 import numpy as np
 import pytest
@@ -346,6 +348,16 @@ def test_worker_reports_nothing_of_a_task_that_was_replaced():
     worker.submit(lambda *_: "new")
     assert worker.wait(10)
     assert told == ["new"]
+
+
+def test_what_is_closed_can_be_forgotten(mesh):
+    widget = sw.SceneWidget(mesh, SMALL, truth=np.zeros(mesh.n_faces, int), autosave=False)
+    widget.wait(60)
+    known = [weakref.ref(widget), weakref.ref(widget.pipeline), weakref.ref(widget.session)]
+    widget.close()
+    del widget
+    gc.collect()
+    assert [reference() for reference in known] == [None, None, None]
 
 
 def test_the_picture_can_be_saved_as_a_page(widget, tmp_path):
