@@ -142,6 +142,11 @@ WHOLE = [(0.0, 1.0)] * 3
 N_SPARE = 6  # colours for segments that the browser makes before Python knows of them
 MAX_CLIENTS = 32  # pages that show a view at the same time
 NOT_SAVED = {"face_item", "preview_segment", "preview_colors", "face_piece", "family_merges", "family_colors"}
+OF_THE_SESSION = (  # state that a saved page has no use for, and that tells of its author's disk and work
+    *("editable", "mode", "busy", "progress", "status", "error", "notices", "save_state", "save_note"),
+    *("history_shown", "history", "n_done", "undo_title", "redo_title", "suggestion", "vocabulary"),
+    *("quick_names", "camera_group"),
+)
 UNLABELLED = 0xFFFFFFFF  # -1 in the tables that cross to the browser
 
 
@@ -581,8 +586,7 @@ class SceneView(anywidget.AnyWidget):
             if name not in NOT_SAVED
         }
         state = {name: getattr(self, name) for name in self.traits(sync=True) if name in _own_names()}
-        state |= {"editable": False, "mode": "navigate", "busy": False, "status": "", "error": ""}
-        state |= {"save_state": "", "notices": []}
+        state |= {name: getattr(SceneView, name).default(self) for name in OF_THE_SESSION}
         state |= {"_camera": self._camera, "_up": self._up}
         page = make_page(
             state,

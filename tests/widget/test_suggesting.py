@@ -1,5 +1,7 @@
 """Suggestions one at a time: shown, followed, passed over, and never followed unseen."""
 
+import json
+
 import pytest
 import shapes
 
@@ -105,3 +107,19 @@ def test_every_question_is_answered_by_a_change_also_when_there_is_nothing(widge
     ask(widget, "next")
     assert len(told) == 3
     assert not is_shown(widget)
+
+
+def test_a_saved_page_tells_nothing_of_the_session(widget, tmp_path):
+    ask(widget, "next")
+    assert is_shown(widget)
+    place = widget.save(tmp_path / "secret.swproj")
+    widget.session.relabel(0, "kept")
+    widget.view.history_shown = True
+    widget.view.notices = [{"key": "file", "text": "private", "actions": []}]
+    assert str(place) in widget.view.save_note
+    page = widget.to_html(tmp_path / "room.html").read_text(encoding="utf-8")
+    saved = json.loads(page.split('id="saved">')[1].split("</script>")[0])["state"]
+    assert "secret" not in json.dumps(saved)
+    assert "kept" in saved["segment_names"].values()
+    named = ("suggestion", "history", "history_shown", "notices", "undo_title", "save_note", "vocabulary")
+    assert [saved[name] for name in named] == [{}, [], False, [], "", "", []]
