@@ -256,10 +256,12 @@ class SceneWidget(widgets.VBox):
             finally:
                 self._is_restoring = False
         self._editor.adopt(session)
+        can_suggest = session.automatic.keys is not None
         with self._lock:
             self._error, self._shown_params = None, self.params
             self.view.set_family(None)  # until something is computed again
             self.controls.offer_family(())
+            self.controls.can_suggest = can_suggest
             n = len(session.history)
             self._end(f"Restored {n} step{'' if n == 1 else 's'} from {Path(path).name}")
 

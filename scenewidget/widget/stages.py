@@ -17,7 +17,7 @@ STAGE_NAMES = {
     "tree": "Building the consensus tree",
     "consensus": "Finding the consensus",
     "finish": "Tidying segments up",
-    "segmentation": "Labeling every face",
+    "segmentation": "Labelling every face",
     "family": "Finding coarser and finer segments",
     "granularity": "Choosing the granularity",
 }

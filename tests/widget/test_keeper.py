@@ -308,6 +308,7 @@ def test_restoring_does_not_wait_for_the_computation(show, mesh, monkeypatch):
     tell(second, kind="choose", notice="offer", action="restore")
     assert not second.busy
     assert (second.view.n_segments, second.view.undo_title) == (first.view.n_segments, "Merge")
+    assert second.controls.can_suggest
     assert second.wait(10) is second.segmentation
     second.session.close()
     second.close()
