@@ -111,7 +111,7 @@ class Partition:
         home = int(self.segment[atom])
         if level == "final":
             if home < 0:
-                raise EditError(f"face {face} is unlabeled: it belongs to no segment")
+                raise EditError(f"face {face} is unlabelled: it belongs to no segment")
             inside: BoolArray = self.segment == home
             if action == "split":
                 inside &= self.parts["final"] == self.parts["final"][atom]
@@ -162,7 +162,7 @@ class Partition:
     def _merge(self, edit: Merge) -> Change:
         target = self.segment_at(edit.onto_face)
         if target < 0:
-            raise EditError(f"onto_face {edit.onto_face} is unlabeled: there is no segment to join")
+            raise EditError(f"onto_face {edit.onto_face} is unlabelled: there is no segment to join")
         atoms = [self._atom(face) for face in edit.faces]
         column = self._column(edit.level)
         if (column[atoms] < 0).all():
@@ -195,7 +195,7 @@ class Partition:
     def _relabel(self, edit: Relabel) -> Change:
         home = self.segment_at(edit.face)
         if home < 0:
-            raise EditError(f"face {edit.face} is unlabeled: there is no segment to name")
+            raise EditError(f"face {edit.face} is unlabelled: there is no segment to name")
         if self.names.get(home, "") == edit.name:
             raise EditError(f"the segment under face {edit.face} is called {edit.name!r} already")
         change = self._change(np.empty(0, dtype=np.int64))
@@ -207,7 +207,7 @@ class Partition:
     def _cut(self, edit: Cut) -> Change:
         home = self.segment_at(edit.face_a)
         if home < 0:
-            raise EditError(f"face_a {edit.face_a} is unlabeled: there is no segment to cut")
+            raise EditError(f"face_a {edit.face_a} is unlabelled: there is no segment to cut")
         if self.segment_at(edit.face_b) != home:
             raise EditError(
                 f"face_a {edit.face_a} and face_b {edit.face_b} are in different segments; "
