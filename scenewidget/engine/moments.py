@@ -76,7 +76,7 @@ class Moments:
 
 
 def face_moments(mesh: Mesh) -> Moments:
-    """Exact moments of each triangle, about the centre of the mesh's bounding box.
+    """Exact moments of each triangle, about the centre of the bounding box of the faces.
 
     The second moment of a triangle of area a with corners p, q, r and centroid c is
     a (p pᵀ + q qᵀ + r rᵀ + 9 c cᵀ) / 12.
@@ -95,5 +95,8 @@ def face_moments(mesh: Mesh) -> Moments:
 
 
 def moment_origin(mesh: Mesh) -> FloatArray:
-    """(3,) centre of the bounding box of the vertices, metres."""
-    return np.asarray(0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0)))
+    """(3,) centre of the bounding box of the faces, metres; vertices in no face may lie anywhere."""
+    is_used = np.zeros(mesh.n_vertices, dtype=np.bool_)
+    is_used[mesh.faces] = True
+    used = mesh.vertices if is_used.all() else mesh.vertices[is_used]
+    return np.asarray(0.5 * (used.min(axis=0) + used.max(axis=0)))

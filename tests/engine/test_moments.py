@@ -28,6 +28,13 @@ def test_a_rectangle_has_the_moments_of_the_textbook():
     np.testing.assert_allclose(moments.flatness(), 0, atol=1e-12)
 
 
+def test_a_vertex_in_no_face_costs_no_digits():
+    mesh = shapes.grid_square(7)
+    stray = Mesh(np.concatenate([mesh.vertices, [[1e9, 1e9, 1e9]]]), mesh.faces)
+    np.testing.assert_array_equal(moment_origin(stray), moment_origin(mesh))
+    np.testing.assert_allclose(whole(stray).principal()[0], [[0, 1 / 12, 1 / 12]], atol=1e-12)
+
+
 def test_the_surface_of_a_cube_is_as_wide_in_every_direction():
     moments = whole(shapes.box(3))
     np.testing.assert_allclose(
