@@ -157,7 +157,7 @@ def join_planes(
         group[joins] = s
         is_free &= ~joins
     _, dense = np.unique(group, return_inverse=True)
-    return np.where(labels >= 0, dense[labels], -1).astype(np.int32)
+    return np.append(dense, -1)[labels].astype(np.int32)  # label −1 is the last entry
 
 
 def _follow(

@@ -56,6 +56,9 @@ def test_the_unlabeled_stay_unlabeled():
     joined = join_planes(items, part)
     assert (joined[:5] == -1).all()
     assert set(joined[5:].tolist()) == {0}
+    nothing = np.full(items.n, -1, dtype=np.int32)
+    for finish in (join_planes, separate_reliefs):
+        np.testing.assert_array_equal(finish(items, nothing), nothing)
 
 
 def test_a_bent_wall_is_followed_beyond_its_plane():
