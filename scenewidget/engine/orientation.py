@@ -7,11 +7,11 @@ Whether an edge is convex, and what is a wall, depends on the side; thresholds a
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from typing import Literal
 
 import numpy as np
 
+from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.items import Items
 
 __all__ = ["Orientation", "facing", "oriented"]
@@ -26,8 +26,14 @@ FEWEST, MOST = 0.02, 300.0  # metres across; less or more is likely to be anothe
 def facing(items: Items) -> float:
     """How much ``items`` look towards the middle of the scan, from −1 (a ball from outside) to 1.
 
-    Mean over the area of ⟨N, m − x⟩ over that of |m − x|, m the centroid of the surface.
+    Mean over the area of ⟨N, m − x⟩ over that of |m − x|, m the centroid of the surface; 0 without area.
+
+    Parameters
+    ----------
+    items : Items
     """
+    if not items.areas.sum() > 0:
+        return 0.0
     apart = np.average(items.centroids, axis=0, weights=items.areas) - items.centroids
     away = np.average(np.linalg.norm(apart, axis=1), weights=items.areas)
     towards = np.average(np.einsum("ij,ij->i", items.normals, apart), weights=items.areas)
@@ -55,10 +61,9 @@ def oriented(items: Items, orientation: Orientation = "auto") -> Items:
     extent = np.sort(np.ptp(items.mesh.vertices[items.mesh.faces].reshape(-1, 3), axis=0))
     if not FEWEST <= extent[2] <= MOST:
         what = "millimetres or centimetres" if extent[2] > MOST else "another unit"
-        warnings.warn(
+        warn_caller(
             f"the mesh is {extent[2]:.4g} across, and thresholds are in metres; if these are {what}, scale "
-            "it: Mesh(mesh.vertices * 0.001, mesh.faces, mesh.vertex_colors) for millimetres",
-            stacklevel=2,
+            "it: Mesh(mesh.vertices * 0.001, mesh.faces, mesh.vertex_colors) for millimetres"
         )
     towards = facing(items)
     is_outward = towards < -CLEAR

@@ -20,6 +20,12 @@ def test_a_warning_names_the_callers_line():
     assert [(w.filename, w.lineno) for w in few] == [(__file__, line)]
 
 
+def test_a_warning_of_the_first_stage_names_it_too():
+    with pytest.warns(UserWarning, match="thresholds are in metres") as heard:
+        segment(shapes.box(2, size=(4000.0, 3000.0, 2400.0)))
+    assert {w.filename for w in heard} == {__file__}
+
+
 def test_leftovers_come_with_advice():
     ball = shapes.icosphere(3)  # nothing to agree on
     params = Params.thesis(n_segments=3, k_range=(40, 60), merge=False, feature_floor=0.05)

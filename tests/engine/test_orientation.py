@@ -1,5 +1,6 @@
 """Which side is free space, and in which unit: on rooms and objects made by hand."""
 
+import dataclasses
 import warnings
 
 import numpy as np
@@ -81,6 +82,11 @@ def test_another_unit_than_the_metre_is_noticed(scale, unit):
     mesh = room()
     with pytest.warns(UserWarning, match=f"thresholds are in metres; if these are {unit}"):
         oriented(faces_as_items(Mesh(mesh.vertices * scale, mesh.faces)))
+
+
+def test_what_has_no_area_looks_nowhere():
+    items = faces_as_items(shapes.triangle())
+    assert facing(dataclasses.replace(items, areas=np.zeros(1))) == 0.0
 
 
 def test_metres_pass_without_a_word():
