@@ -171,7 +171,7 @@ def _points(items: Items, members: IntArray) -> _Points:
     faces = np.concatenate([order[start[i] : start[i + 1]] for i in members])
     area = items.mesh.face_areas[faces]
     position = items.mesh.face_centroids[faces]
-    position -= (area @ position) / area.sum()
+    position -= np.average(position, axis=0, weights=area)  # a product's last bits depend on BLAS' threads
     _, axes = np.linalg.eigh((area[:, None] * position).T @ position)
     foot = np.ascontiguousarray(axes[:, 1:].T @ position.T)
     return _Points(foot, position @ axes[:, 0], area, items.item_of_face[faces])
