@@ -265,9 +265,12 @@ def _spectral_range(basis: Eigenbasis) -> tuple[float, float]:
     """Smallest and largest nonzero eigenvalue, filled rows left out."""
     proper = basis.values[(basis.values > 0) & np.isfinite(basis.values)]
     if proper.size == 0:
+        way_out = f"k > {basis.k}, or for per_component=True"
+        if basis.is_per_component:  # as in a pipeline, which adds the zero mode to n_eigenpairs
+            way_out = f"k > {basis.k}; with segment, set n_eigenpairs to {basis.k} or more"
         raise ValueError(
-            f"basis has only zero modes: its {basis.n_components} components have one each; "
-            f"ask eigenbasis for k > {basis.k}, or for per_component=True"
+            "basis has only zero modes: there is at least one for each component (here "
+            f"{basis.n_components} components), more where faces have no area; ask eigenbasis for {way_out}"
         )
     return float(proper.min()), float(proper.max())
 
