@@ -76,9 +76,13 @@ class Family:
 
         Raises
         ------
+        TypeError
+            Not a whole number.
         ValueError
             The family has no such cut.
         """
+        if isinstance(n_segments, bool) or not hasattr(n_segments, "__index__"):
+            raise TypeError(f"n_segments must be a whole number, got {n_segments!r}")
         if not self.least <= n_segments <= self.most:
             raise ValueError(
                 f"n_segments must lie in {self.least}..{self.most}, the range of this family, "
@@ -97,6 +101,8 @@ class Family:
 
         Raises
         ------
+        TypeError
+            Not a whole number.
         ValueError
             Fewer than ``least`` or more than ``most``.
         """

@@ -83,6 +83,8 @@ def test_numbers_outside_the_family_are_refused_with_its_range(run):
     for n in (family.least - 1, family.most + 1):
         with pytest.raises(ValueError, match=rf"n_segments must lie in {family.least}\.\.{family.most}"):
             family.cut(n)
+    with pytest.raises(TypeError, match=r"n_segments must be a whole number, got 2\.0"):
+        family.cut(2.0)
 
 
 @pytest.mark.parametrize("consensus", ["linkage", "median", "peac"])
