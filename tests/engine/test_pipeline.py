@@ -351,6 +351,64 @@ def test_the_order_of_faces_of_a_clean_room_does_not_matter():
     assert adjusted_rand_score(parts[order], seg.labels) == 1.0
 
 
+BOTH = [FAST, FAITHFUL.replace(n_items=2000)]
+
+
+@pytest.mark.parametrize("params", BOTH)
+def test_place_and_order_of_faces_change_no_segment_of_a_noisy_room(params):
+    mesh, parts = shapes.room(8, noise=0.003)
+    assert adjusted_rand_score(parts, segment(mesh, params).labels) == 1.0
+    shifted = Mesh(mesh.vertices + [100.0, -50.0, 30.0], mesh.faces)
+    turned = Mesh(mesh.vertices @ shapes.rotation(3).T, mesh.faces)
+    for other in (shifted, turned):
+        assert adjusted_rand_score(parts, segment(other, params).labels) == 1.0
+    order = np.random.default_rng(0).permutation(mesh.n_faces)
+    shuffled = segment(shapes.with_faces_in_order(mesh, order), params)
+    assert adjusted_rand_score(parts[order], shuffled.labels) == 1.0
+
+
+@pytest.mark.parametrize("factor", [0.5, 8.0])
+def test_the_preset_of_the_thesis_knows_no_unit_of_length_once_faces_are_few(factor):
+    """Up to names. The library that makes them few has thresholds of its own; `Params()` has metres."""
+    params = FAITHFUL.replace(n_items=3000)
+    scaled = segment(Mesh(factor * ROOM.vertices, ROOM.faces), params)
+    assert adjusted_rand_score(segment(ROOM, params).labels, scaled.labels) == 1.0
+
+
+@pytest.mark.parametrize("params", BOTH)
+def test_a_scene_in_one_plane_has_a_segment_a_piece(params):
+    sheet = shapes.grid_square(12, size=1.5)
+    assert segment(sheet, params).n_segments == 1
+    apart = segment(shapes.joined(sheet, sheet, gap=4.0), params)
+    assert apart.n_segments == (1 if params.join_planes else 2)  # one floor in two pieces
+
+
+@pytest.mark.parametrize("params", BOTH)
+def test_triangles_that_touch_nothing_are_segments(params):
+    corners = shapes.triangle().vertices + np.random.default_rng(0).uniform(0, 100, (50, 1, 3))
+    mesh = Mesh(corners.reshape(-1, 3), np.arange(150).reshape(-1, 3))
+    seg = segment(mesh, params.replace(join_planes=False))
+    assert np.bincount(seg.labels[seg.labels >= 0]).tolist() == [1] * seg.n_segments
+    assert (seg.labels < 0).sum() == seg.report.get("faces in dropped components", 0) <= 1  # above 98 %
+
+
+@pytest.mark.parametrize("params", BOTH)
+def test_fourteen_thousand_fragments_come_through_and_what_is_dropped_is_said(params):
+    with pytest.warns(UserWarning, match="of the faces are labeled: the mesh is in many pieces"):
+        seg = segment(shapes.fragments(14_000), params)
+    assert 1 <= seg.n_segments <= params.n_items
+    dropped = ("faces in dropped components", "faces floating free of everything")
+    assert (seg.labels < 0).sum() == sum(seg.report.get(key, 0) for key in dropped)
+
+
+@pytest.mark.parametrize("params", BOTH)
+@pytest.mark.parametrize("part", [0, 5, 7])
+def test_a_side_wound_the_other_way_is_the_same_segment(params, part):
+    mesh, parts = shapes.room(8, noise=0.003)
+    faces = np.where((parts == part)[:, None], mesh.faces[:, ::-1], mesh.faces)
+    assert adjusted_rand_score(parts, segment(Mesh(mesh.vertices, faces), params).labels) == 1.0
+
+
 def test_a_scan_in_dust_says_how_little_it_could_label():
     with pytest.warns(UserWarning, match=r"only 0\.3% of the faces are labeled.*items='superfacets'"):
         segment(shapes.fragments(300), Params.thesis())
