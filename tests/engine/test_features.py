@@ -253,7 +253,7 @@ def test_a_basis_of_zero_modes_only_says_how_to_get_more():
         heat_kernel_signature(eigenbasis(mesh, 2))
     sliver = Mesh([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 1, 3]])  # a zero mode more
     params = Params(feature="wks", n_eigenpairs=2)
-    with pytest.raises(ValueError, match="only zero modes.*with segment, set n_eigenpairs to 3 or more"):
+    with pytest.raises(ValueError, match=r"only zero modes.*with segment, set n_eigenpairs to 3 or more"):
         segment(sliver, params)
     assert segment(sliver, params.replace(n_eigenpairs=3)).n_segments == 1
 

@@ -358,7 +358,7 @@ BOTH = [FAST, FAITHFUL.replace(n_items=2000)]
 def test_place_and_order_of_faces_change_no_segment_of_a_noisy_room(params):
     mesh, parts = shapes.room(8, noise=0.003)
     assert adjusted_rand_score(parts, segment(mesh, params).labels) == 1.0
-    shifted = Mesh(mesh.vertices + [100.0, -50.0, 30.0], mesh.faces)
+    shifted = Mesh(mesh.vertices + np.array([100.0, -50.0, 30.0]), mesh.faces)
     turned = Mesh(mesh.vertices @ shapes.rotation(3).T, mesh.faces)
     for other in (shifted, turned):
         assert adjusted_rand_score(parts, segment(other, params).labels) == 1.0
