@@ -301,14 +301,7 @@ class Session:
             There is none.
         """
         with self._lock:
-            if not self._done:
-                raise EditError("there is nothing to undo")
-            step, change = self._done.pop()
-            if change is not None:
-                self._partition.revert(change)
-            self._undone.append(step.edit)
-            self._log(Operation(time.time(), "undo"))
-            event = self._event("undo", step)
+            step, event = self._undo()
         self._tell(event)
         return step
 
@@ -321,12 +314,7 @@ class Session:
             There is none: nothing was undone, or an edit was made since.
         """
         with self._lock:
-            if not self._undone:
-                raise EditError("there is nothing to redo")
-            now = time.time()
-            step = self._replay(self._undone.pop(), now)
-            self._log(Operation(now, "redo"))
-            event = self._event("redo", step)
+            step, event = self._redo()
         self._tell(event)
         return step
 
@@ -336,10 +324,10 @@ class Session:
             most = len(self._done) + len(self._undone)
             if not 0 <= n_edits <= most:
                 raise ValueError(f"n_edits must lie in 0..{most}, got {n_edits}")
-            while len(self._done) > n_edits:
-                self.undo()
-            while len(self._done) < n_edits:
-                self.redo()
+            events = [self._undo()[1] for _ in range(len(self._done) - n_edits)]
+            events += [self._redo()[1] for _ in range(n_edits - len(self._done))]
+        for event in events:
+            self._tell(event)
 
     def resegment(self, segmentation: Segmentation, params: Params | None = None) -> tuple[Step, ...]:
         """Put another automatic segmentation of the same mesh underneath and do all edits again.
@@ -759,6 +747,24 @@ class Session:
             params=self._params,
             operations=tuple(self._operations),
         )
+
+    def _undo(self) -> tuple[Step, Event]:
+        if not self._done:
+            raise EditError("there is nothing to undo")
+        step, change = self._done.pop()
+        if change is not None:
+            self._partition.revert(change)
+        self._undone.append(step.edit)
+        self._log(Operation(time.time(), "undo"))
+        return step, self._event("undo", step)
+
+    def _redo(self) -> tuple[Step, Event]:
+        if not self._undone:
+            raise EditError("there is nothing to redo")
+        now = time.time()
+        step = self._replay(self._undone.pop(), now)
+        self._log(Operation(now, "redo"))
+        return step, self._event("redo", step)
 
     def _replay(self, edit: Edit, when: float) -> Step:
         try:

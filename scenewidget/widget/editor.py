@@ -32,8 +32,8 @@ class Editor:
     ----------
     view : SceneView
     lock : RLock
-        Held while the view changes. Never ask the session while holding it: a script that walks the
-        history holds the session's own lock while the steps are shown.
+        Held while the view changes. Never ask the session while holding it: it may be busy with an edit
+        of another thread, or with a slow disk.
     keeper : Keeper
         Writes what changes.
     on_change : callable ()

@@ -321,6 +321,24 @@ def test_ids_of_segments_stay_while_labels_are_numbered_anew():
     assert len(set(session.atom_segments[preview])) == 1
 
 
+def test_whoever_is_told_of_a_walk_through_the_history_does_not_hold_others_up():
+    session = box_session()
+    session.merge(0, 40)
+    session.merge(40, 70)
+    seen = []
+
+    def look_from_elsewhere(event):
+        looking = threading.Thread(target=lambda: seen.append((event.kind, len(session.history))))
+        looking.start()
+        looking.join(10)
+        assert not looking.is_alive()
+
+    session.observe(look_from_elsewhere)
+    session.go_to(0)
+    session.go_to(2)
+    assert seen == [("undo", 0), ("undo", 0), ("redo", 2), ("redo", 2)]
+
+
 def test_threads_can_edit_at_the_same_time():
     session = box_session()
 
