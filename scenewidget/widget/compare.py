@@ -17,6 +17,7 @@ import numpy as np
 import traitlets
 
 from scenewidget.engine.mesh import IntArray, Mesh
+from scenewidget.engine.monitor import Cancelled
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import LEVELS, Segmentation
@@ -182,6 +183,17 @@ class Compare(widgets.VBox):
 
     def _compute(self) -> None:
         sides = (self.a, self.b)
+
+        def task(progress: Callable[[str, float], None], cancel: threading.Event) -> str:
+            found: list[Segmentation] = []
+            for self._at, side in enumerate(sides):
+                if isinstance(side, Params):
+                    side = self.pipeline.run(side, progress=progress, cancel=cancel)
+                found.append(side)
+                self._show_side(self._at, found, cancel)
+            self._show_comparison(found[0], found[1], cancel)
+            return ""
+
         with self._lock:
             self._error = None
             self.set_trait("busy", True)
@@ -191,21 +203,11 @@ class Compare(widgets.VBox):
             for name, side, title, view in zip("AB", sides, self._titles, self.views):
                 title.value = f"<b>{name}</b> &nbsp;<code>{html.escape(_words(side))}</code>"
                 view.error, view.status, view.progress, view.busy = "", "Waiting", 0.0, True
+            self._worker.submit(task)
 
-        def task(progress: Callable[[str, float], None], cancel: threading.Event) -> str:
-            found: list[Segmentation] = []
-            for self._at, side in enumerate(sides):
-                if isinstance(side, Params):
-                    side = self.pipeline.run(side, progress=progress, cancel=cancel)
-                found.append(side)
-                self._show_side(self._at, found)
-            self._show_comparison(found[0], found[1])
-            return ""
-
-        self._worker.submit(task)
-
-    def _show_side(self, i: int, found: list[Segmentation]) -> None:
+    def _show_side(self, i: int, found: list[Segmentation], cancel: threading.Event) -> None:
         with self._lock, self.views[i].hold_sync():
+            _stop_if(cancel)
             view = self.views[i]
             for segmentation in found:  # the other's first, so that colours are those of the other side
                 there = [level for level in LEVELS if level == "final" or level in segmentation.levels]
@@ -214,7 +216,7 @@ class Compare(widgets.VBox):
                 view.set_partition(levels, segmentation.labels, names, _mean_confidence(segmentation))
             view.status, view.progress, view.busy = "", 1.0, False
 
-    def _show_comparison(self, a: Segmentation, b: Segmentation) -> None:
+    def _show_comparison(self, a: Segmentation, b: Segmentation, cancel: threading.Event) -> None:
         scores = {}
         if self._scorer is not None:
             for name, segmentation in (("A and truth", a), ("B and truth", b)):
@@ -222,6 +224,7 @@ class Compare(widgets.VBox):
         scores["B and A"] = quick_scores(b.labels, a.labels)
         verdicts = disagreement(a.labels, b.labels)
         with self._lock:
+            _stop_if(cancel)
             for view in self.views:
                 view.set_errors(verdicts)
             self._table.value = _table(scores, float(np.mean(verdicts == 2)))
@@ -239,12 +242,16 @@ class Compare(widgets.VBox):
 
     def _show_error(self, error: BaseException) -> None:
         with self._lock:
+            if self._worker.has_next:
+                return
             self._error = error
             self.views[self._at].error = f"{type(error).__name__}: {error}"
             self._show_end("The computation failed")
 
     def _show_end(self, status: str) -> None:
         with self._lock:
+            if self._worker.has_next:
+                return
             for view in self.views:
                 if view.busy:
                     view.status, view.progress, view.busy = status, 1.0, False
@@ -263,6 +270,11 @@ def _checked(name: str, side: Any, mesh: Mesh) -> Side:
             f"{name} is of another mesh, of {side.mesh.n_faces} faces where this one has {mesh.n_faces}"
         )
     return side
+
+
+def _stop_if(cancel: threading.Event) -> None:
+    if cancel.is_set():
+        raise Cancelled("something else is to be compared")
 
 
 def _words(side: Side) -> str:

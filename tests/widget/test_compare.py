@@ -93,6 +93,29 @@ def test_without_a_truth_they_are_compared_with_each_other():
     compare.close()
 
 
+def test_a_result_that_is_no_longer_wanted_is_not_shown(monkeypatch):
+    started, gate, seen = threading.Event(), threading.Event(), []
+    run = sw.Pipeline.run
+
+    def deaf(self, params, **_):
+        started.set()
+        assert gate.wait(30)
+        if params != SMALL:
+            seen.append([view.busy for view in compare.views])
+        return run(self, params)
+
+    monkeypatch.setattr(sw.Pipeline, "run", deaf)
+    compare = sw.Compare(MESH, SMALL, GIVEN)
+    assert started.wait(30)
+    compare.a = SMALL.replace(n_segments=3)
+    gate.set()
+    found, _ = compare.wait(60)
+    assert seen == [[True, True]]
+    np.testing.assert_array_equal(found.labels, sw.segment(MESH, compare.a).labels)
+    assert not compare.busy
+    compare.close()
+
+
 def test_cancel_stops_and_says_so(monkeypatch):
     started = threading.Event()
 
