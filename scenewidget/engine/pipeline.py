@@ -54,6 +54,7 @@ from scenewidget.engine.segmentation import Segmentation, order_by_area
 
 __all__ = ["Pipeline", "segment"]
 
+MIXED = 0.02  # share of edges; scans have up to 0.004, where more than two faces meet
 FINE_SIMILARITY = 0.9  # what so many of the runs put together is one piece of the finest cut of a family
 
 
@@ -432,7 +433,23 @@ def _n_threads() -> int:
 
 
 def _adjacency(mesh: Mesh, *, monitor: Monitor) -> IntArray:
-    return monitor.call(face_adjacency, mesh)
+    pairs = monitor.call(face_adjacency, mesh)
+    _warn_of_mixed_winding(mesh, pairs)
+    return pairs
+
+
+def _warn_of_mixed_winding(mesh: Mesh, pairs: IntArray) -> None:
+    """Faces that run through a common edge in one direction look to different sides of the surface."""
+    sample = pairs[:: max(1, len(pairs) // 50_000)]
+    first, second = mesh.vertices[mesh.faces[sample]].transpose(1, 0, 2, 3)
+    is_same = (first[:, :, None] == second[:, None]).all(axis=3)  # corner i of one is corner j of the other
+    is_mixed = (is_same & np.roll(is_same, -1, axis=(1, 2))).any(axis=(1, 2))
+    if is_mixed.any() and is_mixed.mean() > MIXED:
+        warn_caller(
+            f"at {is_mixed.mean():.0%} of the edges the two faces look to different sides of the surface, "
+            "and creases may be found where there are none; wind the faces the same way first, as "
+            "trimesh.repair.fix_winding does"
+        )
 
 
 def _superfacets(

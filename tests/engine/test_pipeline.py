@@ -8,6 +8,7 @@ import warnings
 import numpy as np
 import pytest
 import shapes
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sklearn.metrics import adjusted_rand_score
@@ -407,6 +408,20 @@ def test_a_side_wound_the_other_way_is_the_same_segment(params, part):
     mesh, parts = shapes.room(8, noise=0.003)
     faces = np.where((parts == part)[:, None], mesh.faces[:, ::-1], mesh.faces)
     assert adjusted_rand_score(parts, segment(Mesh(mesh.vertices, faces), params).labels) == 1.0
+
+
+def test_faces_wound_at_random_are_noticed_and_the_advice_helps():
+    mesh, parts = shapes.room(8, noise=0.003)
+    flips = np.random.default_rng(0).random((mesh.n_faces, 1)) < 0.1
+    mixed = Mesh(mesh.vertices, np.where(flips, mesh.faces[:, ::-1], mesh.faces))
+    for bad in (mixed, shapes.soup(mixed)):
+        with pytest.warns(UserWarning, match=r"at 1\d% of the edges.*trimesh\.repair\.fix_winding"):
+            segment(bad, FAST)
+    mended = trimesh.Trimesh(mixed.vertices, mixed.faces, process=False)
+    trimesh.repair.fix_winding(mended)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert adjusted_rand_score(parts, segment(mended, FAST).labels) == 1.0
 
 
 def test_a_scan_in_dust_says_how_little_it_could_label():
