@@ -42,7 +42,12 @@ def checked_count(name: str, value: Any, *, most: int | None = None) -> int:
 
 
 def warn_caller(message: str) -> None:
-    """A `UserWarning` at the line outside this package that led here, however deep the call."""
+    """A `UserWarning` at the line outside this package that led here, however deep the call.
+
+    Parameters
+    ----------
+    message : str
+    """
     depth, frame = 1, sys._getframe(1)
     while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):
         depth, frame = depth + 1, frame.f_back
