@@ -14,12 +14,16 @@
  *   | { kind: "tool", tool: import("./gestures.js").Tool }} Command
  */
 
-/** @type {Array<[string, string]>} */
-export const NAVIGATION_HELP = [
+/** While looking, not editing. @type {Array<[string, string]>} */
+export const LOOK_HELP = [
   ["Drag", "orbit"],
   ["Right drag, Shift + drag", "pan"],
-  ["Wheel", "zoom to the pointer"],
   ["Double click", "turn around this point"],
+];
+
+/** While looking and while editing. @type {Array<[string, string]>} */
+export const NAVIGATION_HELP = [
+  ["Wheel", "zoom to the pointer"],
   ["← ↑ → ↓", "orbit; with Shift, pan"],
   ["+  −", "zoom"],
   ["F", "frame the segment under the pointer"],
@@ -39,14 +43,13 @@ export const NAVIGATION_HELP = [
   ["?", "this help"],
 ];
 
-/** @type {Array<[string, string]>} */
+/** While editing. @type {Array<[string, string]>} */
 export const EDIT_HELP = [
   ["Drag from part to part", "merge"],
   ["Click, then click; Enter, then Enter", "merge, too"],
   ["Ctrl + drag, G", "brush: gather parts onto the first one"],
   ["Ctrl + click; Shift + Enter", "gather one by one; merge them"],
   ["Right click, S", "split"],
-  ["K", "next suggestion; Enter accepts it, K skips it"],
   ["C", "cut: click or drag from one side to the other"],
   ["N", "name the segment; its form lists the names of the keys 4 – 9, 0"],
   ["4 – 9, 0", "give it this name at once"],
@@ -56,11 +59,14 @@ export const EDIT_HELP = [
   ["Ctrl + Z", "undo"],
   ["Ctrl + Shift + Z", "redo"],
   ["U", "history: click on a step to go there"],
-  ["Ctrl + S", "save everything in one file now"],
 ];
 
-/** Of both kinds: what to say where one can go from looking to editing and back. @type {[string, string]} */
-export const MODE_HELP = ["E", "look or edit"];
+/** Looking or editing, where one can edit. @type {Array<[string, string]>} */
+export const EDITABLE_HELP = [
+  ["E", "look or edit"],
+  ["K", "next suggestion; Enter accepts it, K skips it"],
+  ["Ctrl + S", "save everything in one file now"],
+];
 
 /** While standing in the room. @type {Array<[string, string]>} */
 export const WALK_HELP = [
@@ -69,7 +75,7 @@ export const WALK_HELP = [
   ["Page up, Page down", "rise, sink"],
   ["Drag (Shift + drag while editing)", "look around"],
   ["Wheel", "go on along the view"],
-  ["Double click", "go there"],
+  ["Double click (not while editing)", "go there"],
   ["V", "back outside"],
 ];
 

@@ -3,7 +3,7 @@
 import { element, iconButton, textButton } from "./elements.js";
 import { createHistory } from "./history.js";
 import { createKeeping } from "./keeping.js";
-import { AIM_HELP, EDIT_HELP, MODE_HELP, NAVIGATION_HELP, WALK_HELP } from "./keys.js";
+import { AIM_HELP, EDIT_HELP, EDITABLE_HELP, LOOK_HELP, NAVIGATION_HELP, WALK_HELP } from "./keys.js";
 import { createLegend } from "./legend.js";
 import { createNaming } from "./naming.js";
 import { createRubber } from "./rubber.js";
@@ -255,8 +255,9 @@ export function createPanel(host, actions) {
   };
   const showKeys = (/** @type {{ editable: boolean, mode: string }} */ { editable, mode }) => {
     const keys = [
-      ...(editable ? [MODE_HELP] : []),
-      ...(mode === "edit" ? [...EDIT_HELP, ...NAVIGATION_HELP.slice(2)] : NAVIGATION_HELP),
+      ...(editable ? EDITABLE_HELP : []),
+      ...(mode === "edit" ? EDIT_HELP : LOOK_HELP),
+      ...NAVIGATION_HELP,
     ];
     const row = (/** @type {[string, string]} */ [key, what]) => [
       element("b", {}, [key]),

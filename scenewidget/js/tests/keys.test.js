@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { command } from "../src/keys.js";
+import { command, EDIT_HELP, EDITABLE_HELP, LOOK_HELP, NAVIGATION_HELP } from "../src/keys.js";
 
 const plain = { shiftKey: false, ctrlKey: false, metaKey: false, altKey: false };
 
@@ -66,4 +66,20 @@ test("tools have keys, and a brush is finished by one", () => {
   assert.deepEqual(command({ ...plain, key: "Enter", shiftKey: true }, "edit"), { kind: "finish" });
   assert.equal(command({ ...plain, key: "c", ctrlKey: true }, "edit"), null);
   assert.deepEqual(command({ ...plain, key: "s", ctrlKey: true }, "navigate"), { kind: "save" });
+});
+
+test("the help lists every letter that does something, and no other", () => {
+  const SUGGEST = "K"; // heard in suggesting.js
+  const lettersIn = (/** @type {Array<[string, string]>} */ rows) =>
+    rows.flatMap(([keys]) => keys.split(/[,;] /)).filter((key) => /^[A-Z?]$/.test(key) && key !== SUGGEST);
+  const both = [...EDITABLE_HELP, ...NAVIGATION_HELP];
+  /** @type {Array<["navigate" | "edit", Array<[string, string]>]>} */
+  const help = [
+    ["navigate", [...LOOK_HELP, ...both]],
+    ["edit", [...EDIT_HELP, ...both]],
+  ];
+  for (const [mode, rows] of help) {
+    const working = [..."ABCDEFGHIJKLMNOPQRSTUVWXYZ?"].filter((key) => command({ ...plain, key }, mode));
+    assert.deepEqual(lettersIn(rows).sort(), working.sort());
+  }
 });
