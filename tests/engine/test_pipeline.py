@@ -259,6 +259,15 @@ def test_same_seed_same_labels_for_any_number_of_threads(params, monkeypatch):
 # --- asking for one stage -------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("allocation", "expected"), [("dihedral", [6 / 7, 1 / 7]), ("faces", [0.6, 0.4]), ("same", [1.0, 1.0])]
+)
+def test_clusters_are_shared_out_by_what_was_asked_for(allocation, expected):
+    mesh = shapes.joined(shapes.box(2), shapes.grid_square(4), gap=3.0)  # 48 faces on 6 sides, 32 on one
+    share = Pipeline(mesh).get("allocation", Params.thesis(allocation=allocation))
+    np.testing.assert_allclose(share, expected)
+
+
 def test_any_stage_can_be_asked_for():
     pipe = Pipeline(ROOM)
     for stage in stages(FAST):
