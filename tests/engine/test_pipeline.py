@@ -438,10 +438,11 @@ def test_a_scan_in_dust_says_how_little_it_could_label():
         segment(shapes.fragments(300), Params.thesis())
 
 
-@given(nasty_meshes(), st.sampled_from(["default", "thesis", "spectral", "median"]))
-@settings(max_examples=60)
+@given(nasty_meshes(), st.sampled_from(["default", "thesis", "spectral", "median", "hks", "wks"]))
+@settings(max_examples=80)
 def test_any_mesh_gives_a_sound_segmentation_or_a_mesh_error(mesh, name):
-    params = VARIANTS[name].replace(n_segments=4, k_range=(5, 8), n_runs=2)
+    variants = VARIANTS | {f: FAITHFUL.replace(feature=f, n_eigenpairs=10) for f in ("hks", "wks")}
+    params = variants[name].replace(n_segments=4, k_range=(5, 8), n_runs=2)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
