@@ -27,13 +27,12 @@ def test_the_tree_passes(command):
 
 def test_importing_is_light():
     code = (
-        "import sys, time; start = time.perf_counter(); import scenewidget; "
-        "seconds = time.perf_counter() - start; "
+        "import sys; import scenewidget; "
         "heavy = {'numba', 'scipy', 'IPython', 'ipywidgets', 'anywidget', 'pythreejs', 'trimesh', 'pandas'}; "
-        "print(sorted(heavy & set(sys.modules)), seconds < 1.0)"
+        "print(sorted(heavy & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[] True"
+    assert done.stdout.strip() == "[]"
 
 
 def test_the_engine_runs_without_jupyter():
