@@ -62,6 +62,7 @@ def peac(
     *,
     diagonal: bool = True,
     init: Literal["linkage", "dirichlet"] = "linkage",
+    tree: FloatArray | None = None,
     n_restarts: int = 1,
     n_seeds: int = 6,
     tolerance: float = 1e-4,
@@ -85,6 +86,8 @@ def peac(
     init : str
         "linkage" starts from 0.9 · (average-linkage cut) + 0.1 / n_clusters; "dirichlet" from random
         columns (a uniform start is a saddle).
+    tree : (n_base − 1, 4) float, optional
+        What ``average_linkage(C, areas)`` gave, to save its time.
     n_restarts : int
         Starts, the best objective wins; beyond the first, "dirichlet".
     n_seeds : int
@@ -121,7 +124,7 @@ def peac(
     children = np.random.SeedSequence(sequence.entropy, spawn_key=sequence.spawn_key).spawn(n_restarts)
     for run, child in enumerate(children):
         rng = np.random.default_rng(child)
-        Y = _start(C, weights, n_clusters, init if run == 0 else "dirichlet", rng)
+        Y = _start(C, weights, n_clusters, init if run == 0 else "dirichlet", tree, rng)
         with one_blas_thread():  # small products between the sweeps; their rounding must not depend on cores
             problem = _Problem(C, weights, diagonal)
             result = _solve(problem, Y, n_seeds, tolerance, max_sweeps, rng, monitor)
@@ -153,14 +156,20 @@ def _checked(C: Any, weights: Any, n_clusters: Any) -> tuple[FloatArray, FloatAr
     return C, weights / weights.sum()
 
 
-def _start(C: FloatArray, weights: FloatArray, m: int, init: str, rng: np.random.Generator) -> FloatArray:
+def _start(
+    C: FloatArray, weights: FloatArray, m: int, init: str, tree: FloatArray | None, rng: np.random.Generator
+) -> FloatArray:
     n = len(C)
     if init == "dirichlet":
         return np.ascontiguousarray(rng.dirichlet(np.ones(m), size=n))
     if init != "linkage":
         raise ValueError(f"init must be 'linkage' or 'dirichlet', got {init!r}")
-    areas = weights if weights.ndim == 1 else np.sqrt(np.maximum(np.diag(weights), 1e-300))
-    labels = cut_tree(average_linkage(C, areas), n_clusters=min(m, n))
+    if tree is None:
+        areas = weights if weights.ndim == 1 else np.sqrt(np.maximum(np.diag(weights), 1e-300))
+        tree = average_linkage(C, areas)
+    elif tree.shape != (n - 1, 4):
+        raise ValueError(f"tree must have shape ({n - 1}, 4), as average_linkage gives it, got {tree.shape}")
+    labels = cut_tree(tree, n_clusters=min(m, n))
     Y = np.full((n, m), 0.1 / m)
     Y[np.arange(n), labels] += 0.9
     return Y

@@ -376,6 +376,7 @@ def stages(params: Params) -> dict[str, Stage]:
         table.append(stage("consensus", _consensus_median, "coassociation", seed=p.seed))
     else:
         n_segments = p.k_bounds[0] // 2 if p.n_segments == "auto" else p.n_segments
+        table.append(stage("trees", _trees, "coassociation", "items"))
         table.append(
             stage(
                 "consensus",
@@ -383,6 +384,7 @@ def stages(params: Params) -> dict[str, Stage]:
                 "coassociation",
                 "items",
                 "allocation",
+                "trees",
                 n_segments=n_segments,
                 leftover=p.leftover,
                 seed=p.seed,
@@ -658,11 +660,36 @@ def _consensus_median(mesh: Mesh, co: CoAssociation, *, monitor: Monitor, seed: 
     return median_partition(co.C, co.weights, seed=seed)
 
 
+def _component(co: CoAssociation, items: Items) -> IntArray:
+    """(n_base,) component of each base segment."""
+    component = np.zeros(len(co.weights), dtype=np.int64)
+    component[co.base] = items.component
+    return component
+
+
+def _evidence(co: CoAssociation, inside: IntArray) -> FloatArray:
+    """C of some base segments."""
+    whole = len(inside) == len(co.weights)
+    return co.C if whole else np.ascontiguousarray(co.C[np.ix_(inside, inside)])
+
+
+def _trees(mesh: Mesh, co: CoAssociation, items: Items, *, monitor: Monitor) -> list[FloatArray]:
+    """Merge tree of each component, from which `peac` starts whatever S is."""
+    component = _component(co, items)
+    trees = []
+    for c in range(int(component.max()) + 1):
+        inside = np.flatnonzero(component == c)
+        weights = co.weights[inside]
+        trees.append(average_linkage(_evidence(co, inside), weights / (weights.sum() or 1.0)))
+    return trees
+
+
 def _consensus_peac(
     mesh: Mesh,
     co: CoAssociation,
     items: Items,
     share: FloatArray,
+    trees: list[FloatArray],
     *,
     monitor: Monitor,
     n_segments: int,
@@ -670,8 +697,7 @@ def _consensus_peac(
     seed: int,
 ) -> IntArray:
     """PEAC in each component with its share of S (thesis 3.1, 3.5)."""
-    component = np.zeros(len(co.weights), dtype=np.int64)
-    component[co.base] = items.component
+    component = _component(co, items)
     out = np.empty(len(co.weights), dtype=np.int32)
     labels: IntArray
     offset, left, unsolved = 0, 0.0, 0
@@ -681,11 +707,9 @@ def _consensus_peac(
         if count <= 1 or len(inside) == 1 or not co.weights[inside].sum() > 0:
             labels = np.zeros(len(inside), dtype=np.int32)
         else:
-            C = co.C if len(inside) == len(component) else np.ascontiguousarray(co.C[np.ix_(inside, inside)])
-            weights = co.weights[inside]
-            result = peac(
-                C, weights, int(count), seed=np.random.SeedSequence(seed, spawn_key=(c,)), monitor=monitor
-            )
+            C, weights = _evidence(co, inside), co.weights[inside]
+            child = np.random.SeedSequence(seed, spawn_key=(c,))
+            result = peac(C, weights, int(count), tree=trees[c], seed=child, monitor=monitor)
             labels, part = settle_leftovers(result, C, weights, leftover)
             left += part * float(weights.sum())
             unsolved += not result.converged

@@ -15,6 +15,7 @@ STAGE_NAMES = {
     "ensemble": "Clustering many times",
     "coassociation": "Comparing the clusterings",
     "tree": "Building the consensus tree",
+    "trees": "Building the consensus trees",
     "consensus": "Finding the consensus",
     "finish": "Tidying segments up",
     "segmentation": "Labelling every face",

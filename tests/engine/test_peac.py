@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import approx_fprime, minimize
 
 from scenewidget.engine.consensus import co_association
+from scenewidget.engine.linkage import average_linkage
 from scenewidget.engine.monitor import Cancelled, Monitor
 from scenewidget.engine.peac import _Problem, peac
 
@@ -303,3 +304,11 @@ TWO = np.eye(2)
 def test_bad_arguments_are_refused(C, weights, m, options, error, message):
     with pytest.raises(error, match=message):
         peac(C, weights, m, **options)
+
+
+def test_a_tree_that_is_there_already_changes_nothing():
+    C, weights = coassociation(0), np.random.default_rng(0).exponential(size=12)
+    tree = average_linkage(C, weights / weights.sum())
+    np.testing.assert_array_equal(peac(C, weights, 3, tree=tree).Y, peac(C, weights, 3).Y)
+    with pytest.raises(ValueError, match=r"tree must have shape \(11, 4\), as average_linkage gives it"):
+        peac(C, weights, 3, tree=tree[1:])

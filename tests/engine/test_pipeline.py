@@ -99,7 +99,7 @@ def recomputed(pipe, params):
         ({"n_segments": 20}, {"consensus"} | FINISH),
         ({"n_segments": "auto"}, {"consensus"} | FINISH),
         ({"consensus": "median"}, {"consensus"} | FINISH),
-        ({"consensus": "peac"}, {"consensus"} | FINISH),
+        ({"consensus": "peac"}, {"trees", "consensus"} | FINISH),
         ({"min_area": 0.5}, FINISH),
         ({"join_planes": False}, FINISH),
         ({"granularity": 9}, {"family", "granularity"}),
@@ -136,6 +136,12 @@ def test_a_change_recomputes_exactly_what_depends_on_it(change, expected):
     assert recomputed(pipe, FAST) == {"adjacency"} | ITEMS
     assert recomputed(pipe, FAST.replace(**change)) == expected
     assert recomputed(pipe, FAST) == set()
+
+
+def test_another_s_takes_the_same_trees_for_peac():
+    pipe, params = Pipeline(ROOM), FAST.replace(consensus="peac", k_range=(20, 25))
+    pipe.run(params)
+    assert recomputed(pipe, params.replace(n_segments=5)) == {"consensus"} | FINISH
 
 
 def test_k_follows_the_number_of_segments_where_no_range_is_given():
