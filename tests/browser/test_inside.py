@@ -153,8 +153,14 @@ def test_up_turns_the_scan(room):
     view.page.keyboard.press("t")
     view.settle()
     assert seen(view) == {"0"} | (seen(view) & {"2", "3", "4", "5"})
+    element = view.root.element_handle()
+    # the turn can be over before anybody asks: so it is written down
+    element.evaluate(
+        "root => new MutationObserver(() => { if (root.dataset.moving === 'true') root.dataset.moved = ''; })"
+        ".observe(root, { attributeFilter: ['data-moving'] })"
+    )
     book.execute("view.up = '-z'")
-    view.page.wait_for_function("root => root.dataset.moving === 'true'", arg=view.root.element_handle())
+    view.page.wait_for_function("root => 'moved' in root.dataset", arg=element)
     view.settle()
     view.page.keyboard.press("t")
     view.settle()
