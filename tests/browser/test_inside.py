@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import contextmanager
 
 import pytest
 from test_view import LABELLED
@@ -23,6 +24,21 @@ def seen(view):
     return {part for part in view.parts() if part}
 
 
+@contextmanager
+def moves(view):
+    """Wait until what is done inside has set the picture in motion, even if that is over in an instant."""
+    root = view.root.element_handle()
+    root.evaluate(
+        """root => {
+            delete root.dataset.moved;
+            const heard = () => { if (root.dataset.moving === "true") root.dataset.moved = ""; };
+            new MutationObserver(heard).observe(root, { attributeFilter: ["data-moving"] });
+        }"""
+    )
+    yield
+    view.page.wait_for_function("root => 'moved' in root.dataset", arg=root)
+
+
 def camera(book):
     return json.loads(eval(book.evaluate("__import__('json').dumps(view._camera)")))
 
@@ -35,8 +51,8 @@ def test_a_section_cuts_the_room_open_for_eye_and_pointer(room):
     view.page.keyboard.press("t")
     view.settle()
     assert seen(view) == {"1"}  # the ceiling's back
-    view.page.keyboard.press("Shift+X")
-    view.page.wait_for_function("root => root.dataset.moving === 'true'", arg=view.root.element_handle())
+    with moves(view):
+        view.page.keyboard.press("Shift+X")
     view.settle()
     assert "1" not in seen(view)
     assert "0" in seen(view)
@@ -114,8 +130,8 @@ def test_a_key_held_down_walks_on_until_it_is_let_go(room):
     view.wait("inside", "true")
     view.settle()
     before = camera(book)["target"]
-    view.page.keyboard.down("d")
-    view.page.wait_for_function("root => root.dataset.moving === 'true'", arg=view.root.element_handle())
+    with moves(view):
+        view.page.keyboard.down("d")
     view.page.wait_for_timeout(400)
     view.page.keyboard.up("d")
     view.settle()
@@ -153,14 +169,8 @@ def test_up_turns_the_scan(room):
     view.page.keyboard.press("t")
     view.settle()
     assert seen(view) == {"0"} | (seen(view) & {"2", "3", "4", "5"})
-    element = view.root.element_handle()
-    # the turn can be over before anybody asks: so it is written down
-    element.evaluate(
-        "root => new MutationObserver(() => { if (root.dataset.moving === 'true') root.dataset.moved = ''; })"
-        ".observe(root, { attributeFilter: ['data-moving'] })"
-    )
-    book.execute("view.up = '-z'")
-    view.page.wait_for_function("root => 'moved' in root.dataset", arg=element)
+    with moves(view):
+        book.execute("view.up = '-z'")
     view.settle()
     view.page.keyboard.press("t")
     view.settle()
