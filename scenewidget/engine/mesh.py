@@ -134,6 +134,20 @@ class Mesh:
         return len(self.faces)
 
     @cached_property
+    def is_used(self) -> BoolArray:
+        """(n_vertices,) whether a face has the vertex; others may lie anywhere."""
+        is_used = np.zeros(self.n_vertices, dtype=np.bool_)
+        is_used[self.faces] = True
+        is_used.flags.writeable = False
+        return is_used
+
+    @cached_property
+    def bounds(self) -> FloatArray:
+        """(2, 3) least and most of the coordinates of vertices in use, metres."""
+        used = self.vertices if self.is_used.all() else self.vertices[self.is_used]
+        return _read_only(np.stack([used.min(axis=0), used.max(axis=0)]))
+
+    @cached_property
     def face_vectors(self) -> FloatArray:
         """(n_faces, 3) cross product of two edges: normal direction, length twice the area."""
         a, b, c = (self.vertices[self.faces[:, i]] for i in range(3))

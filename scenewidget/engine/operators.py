@@ -97,7 +97,7 @@ def cotangent_laplacian(mesh: Mesh) -> tuple[sparse.csr_array, sparse.csr_array]
     start, end = np.roll(mesh.faces, -1, axis=1).ravel(), np.roll(mesh.faces, -2, axis=1).ravel()
     keep = start != end
     W = _from_edge_weights(mesh.n_vertices, start[keep], end[keep], 0.5 * cotangents.ravel()[keep])
-    return W, sparse.diags_array(_clamped(mixed_areas(mesh), _is_used(mesh)), format="csr")
+    return W, sparse.diags_array(_clamped(mixed_areas(mesh), mesh.is_used), format="csr")
 
 
 def robust_laplacian(mesh: Mesh) -> tuple[sparse.csr_array, sparse.csr_array]:
@@ -131,7 +131,7 @@ def robust_laplacian(mesh: Mesh) -> tuple[sparse.csr_array, sparse.csr_array]:
     areas = np.zeros(n)
     areas[used] = A.diagonal()
     W = sparse.csr_array((W.data, (rows, columns)), shape=(n, n))
-    return W, sparse.diags_array(_clamped(areas, _is_used(mesh)), format="csr")
+    return W, sparse.diags_array(_clamped(areas, mesh.is_used), format="csr")
 
 
 def mixed_areas(mesh: Mesh) -> FloatArray:
@@ -179,7 +179,7 @@ def vertex_components(mesh: Mesh) -> IntArray:
         Numbered by the smallest vertex in it; −1 for vertices in no face.
     """
     _, component = connected_components(mesh.n_vertices, _face_edges(mesh))
-    is_used = _is_used(mesh)
+    is_used = mesh.is_used
     out = np.full(mesh.n_vertices, -1, dtype=np.int32)
     out[is_used] = np.unique(component[is_used], return_inverse=True)[1]
     return out
@@ -463,12 +463,6 @@ def _check_area(mesh: Mesh) -> None:
             f"all {mesh.n_faces} faces are degenerate: the mesh has no area, hence no cotangents; "
             "check the unit and the precision of its vertices"
         )
-
-
-def _is_used(mesh: Mesh) -> BoolArray:
-    is_used = np.zeros(mesh.n_vertices, dtype=np.bool_)
-    is_used[mesh.faces] = True
-    return is_used
 
 
 def _clamped(areas: FloatArray, is_used: BoolArray) -> FloatArray:

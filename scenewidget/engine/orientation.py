@@ -58,7 +58,7 @@ def oriented(items: Items, orientation: Orientation = "auto") -> Items:
     """
     if not items.areas.sum() > 0:
         return items
-    extent = np.sort(np.ptp(items.mesh.vertices[items.mesh.faces].reshape(-1, 3), axis=0))
+    extent = np.sort(np.ptp(items.mesh.bounds, axis=0))
     if not FEWEST <= extent[2] <= MOST:
         what = "millimetres or centimetres" if extent[2] > MOST else "another unit"
         warn_caller(

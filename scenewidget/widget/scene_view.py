@@ -720,11 +720,8 @@ def _geometry(mesh: Mesh) -> dict[str, npt.NDArray[Any]]:
     Vertices are float32 around the middle of the faces: an origin far away, as in geographic coordinates,
     would eat the precision.
     """
-    is_used = np.zeros(mesh.n_vertices, np.bool_)
-    is_used[mesh.faces] = True
-    used = mesh.vertices[is_used]
-    middle = (used.min(axis=0) + used.max(axis=0)) / 2
-    vertices = np.where(is_used[:, None], mesh.vertices - middle, 0.0).astype(np.float32)
+    middle = (mesh.bounds[0] + mesh.bounds[1]) / 2
+    vertices = np.where(mesh.is_used[:, None], mesh.vertices - middle, 0.0).astype(np.float32)
     arrays: dict[str, npt.NDArray[Any]] = {"vertices": vertices, "faces": mesh.faces.astype(np.uint32)}
     if mesh.vertex_colors is not None:
         arrays["vertex_colors"] = mesh.vertex_colors

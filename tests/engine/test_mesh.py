@@ -394,3 +394,11 @@ def test_damaged_bytes_give_a_mesh_or_a_mesh_error(tmp_path, suffix, options):
         except MeshError:
             continue
         assert mesh.faces.max() < mesh.n_vertices
+
+
+def test_bounds_leave_out_vertices_in_no_face():
+    mesh = Mesh([[0, 0, 0], [1, 0, 0], [0, 2, 0], [9e9, -9e9, 9e9]], [[0, 1, 2]])
+    assert mesh.is_used.tolist() == [True, True, True, False]
+    assert mesh.bounds.tolist() == [[0, 0, 0], [1, 2, 0]]
+    with pytest.raises(ValueError, match="read-only"):
+        mesh.is_used[3] = True
