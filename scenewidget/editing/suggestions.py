@@ -15,7 +15,7 @@ import numpy as np
 
 from scenewidget.editing.edits import Edit, Merge, Split
 from scenewidget.editing.partition import Partition
-from scenewidget.engine.evidence import foreign, mean_agreement, same_thing
+from scenewidget.engine.evidence import agreement_of_groups, foreign, same_thing
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.engine.segmentation import Level
 
@@ -131,7 +131,7 @@ class Evidence:
         # base segments that lie in one segment, as they were
         is_whole = np.bincount(self.part, minlength=n_base)[self.part] == 1
         self.asked = np.flatnonzero(is_whole & ~moved[entries] & (self.share >= SMALLEST))
-        self.between, self.with_segments = mean_agreement(
+        self.between, self.with_segments = agreement_of_groups(
             automatic.keys, self.share, self.part, self.home, n, self.part[self.asked]
         )
 

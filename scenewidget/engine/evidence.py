@@ -12,7 +12,7 @@ import numpy as np
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.threads import one_blas_thread
 
-__all__ = ["agreement_behind", "calibrated", "foreign", "mean_agreement", "same_thing"]
+__all__ = ["agreement_behind", "agreement_of_groups", "calibrated", "foreign", "same_thing"]
 
 # The first two are fitted to the default preset on the tuning half of the quality benchmark by
 # `python tests/benchmarks/calibration.py`, which also says how they do on the other half: the mean agreement
@@ -81,7 +81,7 @@ def foreign(confidence: FloatArray) -> FloatArray:
     return np.asarray(np.minimum(FOREIGN * (1.0 - np.asarray(confidence, np.float64)) ** 2, 1.0))
 
 
-def mean_agreement(
+def agreement_of_groups(
     keys: IntArray, weights: FloatArray, part: IntArray, group: IntArray, n_groups: int, asked: IntArray
 ) -> tuple[FloatArray, FloatArray]:
     """Mean co-association between groups of parts, and between parts and groups.

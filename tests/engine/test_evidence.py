@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scenewidget.engine.evidence import agreement_behind, calibrated, mean_agreement, same_thing
+from scenewidget.engine.evidence import agreement_behind, agreement_of_groups, calibrated, same_thing
 
 
 @st.composite
@@ -27,7 +27,7 @@ def test_mean_agreement_matches_its_definition(given_parts):
         [[np.mean((keys[i] == keys[j]) & (keys[i] >= 0)) for j in range(n_parts)] for i in range(n_parts)]
     )
     mass = np.where(share.sum(axis=0) > 0, share.sum(axis=0), np.inf)
-    between, with_groups = mean_agreement(keys, weights, part, group, n_groups, np.arange(n_parts))
+    between, with_groups = agreement_of_groups(keys, weights, part, group, n_groups, np.arange(n_parts))
     np.testing.assert_allclose(between, share.T @ together @ share / np.outer(mass, mass), atol=1e-6)
     np.testing.assert_allclose(with_groups, together @ share / mass, atol=1e-6)
 
