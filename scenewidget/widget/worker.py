@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from scenewidget.engine.monitor import Cancelled
@@ -16,102 +17,6 @@ from scenewidget.engine.monitor import Cancelled
 __all__ = ["Newest", "Worker"]
 
 Task = Callable[[Callable[[str, float], None], threading.Event], Any]
-
-
-class Worker:
-    """Runs the latest task that was submitted.
-
-    Parameters
-    ----------
-    on_progress : callable (stage, fraction)
-    on_done : callable (result)
-    on_error : callable (exception)
-    on_cancelled : callable ()
-        Called only when `cancel` was asked for, not when a newer task took over.
-    """
-
-    def __init__(
-        self,
-        *,
-        on_progress: Callable[[str, float], None],
-        on_done: Callable[[Any], None],
-        on_error: Callable[[BaseException], None],
-        on_cancelled: Callable[[], None],
-    ) -> None:
-        self._on_progress, self._on_done = on_progress, on_done
-        self._on_error, self._on_cancelled = on_error, on_cancelled
-        self._condition = threading.Condition()
-        self._revision = 0
-        self._pending: tuple[int, Task] | None = None
-        self._cancel = threading.Event()
-        self._thread: threading.Thread | None = None
-
-    @property
-    def is_busy(self) -> bool:
-        """Whether something runs or waits to run."""
-        with self._condition:
-            return self._thread is not None
-
-    @property
-    def has_next(self) -> bool:
-        """Whether a task waits that is newer than the one that runs."""
-        with self._condition:
-            return self._pending is not None
-
-    def submit(self, task: Task) -> None:
-        """Run a task as soon as the one under way has heard that it is no longer wanted."""
-        with self._condition:
-            self._revision += 1
-            self._pending = (self._revision, task)
-            self._cancel.set()
-            if self._thread is None:
-                self._thread = threading.Thread(target=self._run, name="scenewidget", daemon=True)
-                self._thread.start()
-
-    def cancel(self) -> None:
-        """Stop what runs and drop what waits; `on_cancelled` tells when that is done."""
-        with self._condition:
-            if self._pending is not None:
-                self._pending = (self._pending[0], _stop_at_once)
-            self._cancel.set()
-
-    def wait(self, timeout: float | None = None) -> bool:
-        """Block until nothing runs or waits; False if the time ran out first."""
-        with self._condition:
-            return self._condition.wait_for(lambda: self._thread is None, timeout)
-
-    def _run(self) -> None:
-        while True:
-            with self._condition:
-                if self._pending is None:
-                    self._thread = None
-                    self._condition.notify_all()
-                    return
-                revision, task = self._pending
-                self._pending = None
-                self._cancel = cancel = threading.Event()
-            self._perform(revision, task, cancel)
-
-    def _perform(self, revision: int, task: Task, cancel: threading.Event) -> None:
-        def report(stage: str, fraction: float) -> None:
-            if not cancel.is_set():
-                self._on_progress(stage, fraction)
-
-        def was_replaced() -> bool:
-            with self._condition:
-                return revision != self._revision
-
-        try:
-            result = task(report, cancel)
-            if cancel.is_set():
-                raise Cancelled("cancelled at the end")
-            self._on_done(result)
-        except Cancelled:
-            if not was_replaced():
-                self._on_cancelled()
-        except BaseException as error:  # handed to whoever waits; a thread must not die silently
-            if not was_replaced():
-                self._on_error(error)
 
 
 class Newest:
@@ -125,6 +30,18 @@ class Newest:
         self._condition = threading.Condition()
         self._pending: Callable[[], None] | None = None
         self._thread: threading.Thread | None = None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether something runs or waits to run."""
+        with self._condition:
+            return self._thread is not None
+
+    @property
+    def has_next(self) -> bool:
+        """Whether a task waits that is newer than the one that runs."""
+        with self._condition:
+            return self._pending is not None
 
     def submit(self, task: Callable[[], None]) -> None:
         """Run a task soon, unless another is submitted before."""
@@ -158,5 +75,79 @@ class Newest:
                 logging.getLogger(__name__).exception("%s failed", self._name)
 
 
-def _stop_at_once(*_: object) -> None:
-    raise Cancelled("cancelled before it began")
+class Worker:
+    """Runs the latest task that was submitted.
+
+    Parameters
+    ----------
+    on_progress : callable (stage, fraction)
+    on_done : callable (result)
+    on_error : callable (exception)
+    on_cancelled : callable ()
+        Called only when `cancel` was asked for, not when a newer task took over.
+    """
+
+    def __init__(
+        self,
+        *,
+        on_progress: Callable[[str, float], None],
+        on_done: Callable[[Any], None],
+        on_error: Callable[[BaseException], None],
+        on_cancelled: Callable[[], None],
+    ) -> None:
+        self._on_progress, self._on_done = on_progress, on_done
+        self._on_error, self._on_cancelled = on_error, on_cancelled
+        self._newest = Newest("scenewidget")
+        self._lock = threading.Lock()
+        self._revision = 0
+        self._cancel = threading.Event()  # of the newest task
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether something runs or waits to run."""
+        return self._newest.is_busy
+
+    @property
+    def has_next(self) -> bool:
+        """Whether a task waits that is newer than the one that runs."""
+        return self._newest.has_next
+
+    def submit(self, task: Task) -> None:
+        """Run a task as soon as the one under way has heard that it is no longer wanted."""
+        with self._lock:
+            self._revision += 1
+            self._cancel.set()
+            self._cancel = threading.Event()
+            self._newest.submit(partial(self._perform, self._revision, task, self._cancel))
+
+    def cancel(self) -> None:
+        """Stop what runs and drop what waits; `on_cancelled` tells when that is done."""
+        with self._lock:
+            self._cancel.set()
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Block until nothing runs or waits; False if the time ran out first."""
+        return self._newest.wait(timeout)
+
+    def _perform(self, revision: int, task: Task, cancel: threading.Event) -> None:
+        def report(stage: str, fraction: float) -> None:
+            if not cancel.is_set():
+                self._on_progress(stage, fraction)
+
+        def was_replaced() -> bool:
+            with self._lock:
+                return revision != self._revision
+
+        try:
+            if cancel.is_set():
+                raise Cancelled("cancelled before it began")
+            result = task(report, cancel)
+            if cancel.is_set():
+                raise Cancelled("cancelled at the end")
+            self._on_done(result)
+        except Cancelled:
+            if not was_replaced():
+                self._on_cancelled()
+        except BaseException as error:  # handed to whoever waits; a thread must not die silently
+            if not was_replaced():
+                self._on_error(error)
