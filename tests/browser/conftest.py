@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from editing_page import WIDGET, Editor
 from PIL import Image
 
 FLAGS = [
@@ -203,6 +204,15 @@ def notebook(jupyter: Server, profile: Any) -> Iterator[Callable[..., Notebook]]
     yield open_notebook
     for book in opened:
         book.close()
+
+
+@pytest.fixture
+def editor(notebook):
+    """A segmented room, ready to be edited; nothing may go wrong in the console meanwhile."""
+    book = notebook([WIDGET])
+    book.run_all()
+    yield Editor(book)
+    assert book.errors == []
 
 
 @dataclass

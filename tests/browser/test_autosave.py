@@ -2,17 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
-from test_editor import WIDGET, Editor
-
-
-@pytest.fixture
-def editor(notebook):
-    """A segmented room in a notebook of its own folder, ready to be edited."""
-    book = notebook([WIDGET])
-    book.run_all()
-    yield Editor(book)
-    assert book.errors == []
+from editing_page import WIDGET, Editor
 
 
 def word(editor, text):

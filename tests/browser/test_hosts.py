@@ -9,7 +9,7 @@ import textwrap
 
 import pytest
 from conftest import Notebook, Server, View, serve
-from test_editor import WIDGET, Editor
+from editing_page import WIDGET, Editor
 from test_view import LABELLED, colors
 
 TELLING = """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_editor import WIDGET, Editor
+from editing_page import WIDGET, Editor
 from test_view import LABELLED
 
 

@@ -7,16 +7,7 @@ import re
 import signal
 
 import pytest
-from test_editor import WIDGET, Editor
-
-
-@pytest.fixture
-def editor(notebook):
-    """A segmented room, ready to be edited; nothing may go wrong in the console meanwhile."""
-    book = notebook([WIDGET])
-    book.run_all()
-    yield Editor(book)
-    assert book.errors == []
+from editing_page import WIDGET, Editor
 
 
 def three(editor):
