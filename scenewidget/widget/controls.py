@@ -161,7 +161,7 @@ class ParamsControls(anywidget.AnyWidget):
         params = self.params
         idle = idle_reasons(params)
         if not self.family:
-            idle["granularity"] = "It can be chosen as soon as there is a result."
+            idle["granularity"] = "It can be chosen once the clusterings behind the result are there."
         elif self.family[0] == self.family[1]:
             idle["granularity"] = "All runs agree on these segments: there are no coarser or finer ones."
         preset = nearest_preset(params)

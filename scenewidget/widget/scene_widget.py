@@ -12,6 +12,7 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ import traitlets
 
 from scenewidget.editing.session import Session
 from scenewidget.editing.vocabulary import chosen_vocabulary
+from scenewidget.engine.family import Family
 from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
@@ -132,7 +134,7 @@ class SceneWidget(widgets.VBox):
         self._started = 0.0
         self._worker = Worker(
             on_progress=self._show_progress,
-            on_done=self._show_result,
+            on_done=lambda show: show(),
             on_error=self._show_error,
             on_cancelled=self._show_cancelled,
         )
@@ -241,14 +243,18 @@ class SceneWidget(widgets.VBox):
         FileNotFoundError, ProjectError
             No such file, damaged, or of another mesh; nothing has changed.
         """
-        self._keeper.wait()
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # read-only is told in the picture
-            session = Session.open(path, self.mesh)
-        self._worker.cancel()
+        was_busy = self.busy
+        self._worker.cancel()  # before the file is read: a late result would land over it
         if not self._worker.wait(30):
-            session.close()
             raise TimeoutError("the computation under way does not stop; nothing was restored")
+        self._keeper.wait()
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # read-only is told in the picture
+                session = Session.open(path, self.mesh)
+        except BaseException:
+            self._compute() if was_busy else self._find_family()
+            raise
         if session.params is not None:
             self._is_restoring = True
             try:
@@ -258,12 +264,12 @@ class SceneWidget(widgets.VBox):
         self._editor.adopt(session)
         can_suggest = session.automatic.keys is not None
         with self._lock:
-            self._error, self._shown_params = None, self.params
-            self.view.set_family(None)  # until something is computed again
-            self.controls.offer_family(())
+            self._error, self._shown_params = None, session.params
+            self._show_family(None)
             self.controls.can_suggest = can_suggest
             n = len(session.history)
             self._end(f"Restored {n} step{'' if n == 1 else 's'} from {Path(path).name}")
+        self._find_family()
 
     def to_html(self, path: str | os.PathLike[str], *, title: str = "") -> Path:
         """Save the picture as one file that a browser opens without Python and without a network.
@@ -305,7 +311,8 @@ class SceneWidget(widgets.VBox):
         self._previewer.stop()
 
         def task(progress: Callable[[str, float], None], cancel: threading.Event) -> Any:
-            return params, self.pipeline.run(params, progress=progress, cancel=cancel)
+            segmentation = self.pipeline.run(params, progress=progress, cancel=cancel)
+            return partial(self._show_result, params, segmentation)
 
         with self._lock:
             self._error = None
@@ -362,8 +369,7 @@ class SceneWidget(widgets.VBox):
             self.view.status = STAGE_NAMES.get(stage, stage)
             self.view.progress = fraction
 
-    def _show_result(self, result: tuple[Params, Segmentation]) -> None:
-        params, segmentation = result
+    def _show_result(self, params: Params, segmentation: Segmentation) -> None:
         lost = self._editor.take(segmentation, params)
         self._catch_up()
         with self._lock:
@@ -372,17 +378,31 @@ class SceneWidget(widgets.VBox):
             summary = f"{segmentation.coverage:.1%} of the faces labelled, in {seconds:.1f} s"
             if lost:
                 summary += f"; {lost} of the edits don't apply to it, see session.history"
+            self.controls.can_suggest = True
             self._end(summary)
-        self._offer_family(params)
+        self._offer_family(params, self.pipeline.family(params))
 
-    def _offer_family(self, params: Params) -> None:
-        """Let the granularity of the result be chosen."""
-        family = self.pipeline.family(params)
+    def _find_family(self) -> None:
+        """Compute in the background what the granularity of the result needs, as far as it is forgotten."""
+        params = self._shown_params
+        if params is None:
+            return
+
+        def task(_: Callable[[str, float], None], cancel: threading.Event) -> Any:
+            return partial(self._offer_family, params, self.pipeline.family(params, cancel=cancel))
+
+        self._worker.submit(task)
+
+    def _offer_family(self, params: Params, family: Family) -> None:
         with self._lock:
             if params == self._shown_params:
-                self.view.set_family(family)
-                self.controls.can_suggest = True
-                self.controls.offer_family([family.least, family.most, family.segmentation.n_segments])
+                self._show_family(family)
+
+    def _show_family(self, family: Family | None) -> None:
+        """Let the granularity of the result be chosen; None: not yet. Called with the lock held."""
+        self.view.set_family(family)
+        bounds = () if family is None else (family.least, family.most, family.segmentation.n_segments)
+        self.controls.offer_family(bounds)
 
     def _show_error(self, error: BaseException) -> None:
         with self._lock:

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -44,8 +45,8 @@ def show(mesh):
     """Makes widgets as a cell does, segmented; closes them."""
     shown = []
 
-    def make(scan=None, **options):
-        shown.append(sw.SceneWidget(mesh if scan is None else scan, SMALL, **options))
+    def make(scan=None, params=SMALL, **options):
+        shown.append(sw.SceneWidget(mesh if scan is None else scan, params, **options))
         shown[-1].wait(60)
         return shown[-1]
 
@@ -312,6 +313,49 @@ def test_restoring_does_not_wait_for_the_computation(show, mesh, monkeypatch):
     assert second.wait(10) is second.segmentation
     second.session.close()
     second.close()
+
+
+def test_the_granularity_of_a_restored_result_can_be_chosen_again(show):
+    mesh, _ = shapes.room(8, noise=0.003)
+    fine = SMALL.replace(min_area=0.0)
+    first = show(mesh, fine)
+    merge(first)
+    bounds, path = first.controls.family, first.session.path
+    first.session.close()
+    second = show(mesh, SMALL.replace(n_segments=4))
+    second.restore(path)
+    second.wait(60)
+    assert second.controls.family == bounds
+    assert "granularity" not in second.controls.idle
+    assert (len(second.session.edits), second.busy, second.params) == (1, False, fine)
+    second.controls.set("granularity", bounds[1])
+    second.wait(60)
+    assert second.session.automatic.n_segments == bounds[1]
+    assert len(second.session.edits) == 1
+
+
+def test_a_result_that_comes_while_somebody_restores_goes_to_the_session_before(show, mesh, monkeypatch):
+    first = show()
+    merge(first)
+    path = first.session.path
+    first.session.close()
+    second, order = show(), []
+    take, open_project = second._editor.take, sw.Session.open
+
+    def late(*result):
+        arrived.set()
+        second._worker._cancel.wait(30)  # somebody restores
+        order.append("result")
+        return take(*result)
+
+    arrived = threading.Event()
+    monkeypatch.setattr(second._editor, "take", late)
+    monkeypatch.setattr(sw.Session, "open", lambda *args: order.append("file") or open_project(*args))
+    second.params = SMALL.replace(n_segments=3)
+    assert arrived.wait(30)
+    second.restore(path)
+    assert order == ["result", "file"]
+    np.testing.assert_array_equal(second.wait(60).labels, first.segmentation.labels)
 
 
 def test_a_folder_that_was_removed_is_no_obstacle_to_looking(mesh, folder, monkeypatch):
