@@ -600,7 +600,13 @@ class Session:
         """Why the last operation is not on disk: disk full, read-only; "" if all is well."""
         return self._file_problem
 
-    def save(self, path: str | os.PathLike[str] | None = None, *, include_mesh: bool = False) -> Path:
+    def save(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        include_mesh: bool = False,
+        overwrite: bool = True,
+    ) -> Path:
         """Write the project to a file; from then on every edit is on disk before its call returns.
 
         Parameters
@@ -610,6 +616,9 @@ class Session:
         include_mesh : bool
             Whether the mesh goes in; without it the file holds only its fingerprint and where it was
             loaded from.
+        overwrite : bool
+            Whether another file of that name may go. Without it, of two sessions that choose one name at
+            the same moment one gets it.
 
         Returns
         -------
@@ -619,6 +628,8 @@ class Session:
         ------
         ValueError
             No path, and no file yet.
+        FileExistsError
+            Not to ``overwrite``, and there is such a file.
         OSError
             The file can't be written: disk full, no permission, or another process works on it. The old
             file, if there was one, is untouched, and edits stay in memory.
@@ -634,7 +645,9 @@ class Session:
                     raise OSError(self._file_problem)
                 self._file.checkpoint()
             else:
-                file = ProjectFile.write(target, self._project(include_mesh), replaces=self._file)
+                file = ProjectFile.write(
+                    target, self._project(include_mesh), replaces=self._file, overwrite=overwrite
+                )
                 if self._file is not None and self._file is not file:
                     self._file.close()
                 self._file, self._n_durable, self._file_problem = file, len(self._operations), ""

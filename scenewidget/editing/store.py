@@ -115,11 +115,15 @@ class ProjectFile:
     # --- opening and closing ----------------------------------------------------------------------
 
     @classmethod
-    def write(cls, path: Path, project: Project, *, replaces: ProjectFile | None = None) -> ProjectFile:
+    def write(
+        cls, path: Path, project: Project, *, replaces: ProjectFile | None = None, overwrite: bool = True
+    ) -> ProjectFile:
         """Write a new file, put it in the place of the old one, and open it.
 
         Raises
         ------
+        FileExistsError
+            Not to ``overwrite`` it, and there is one, or somebody is just making it.
         OSError
             It can't be written, or another process works on the old one, which is untouched then.
         """
@@ -130,12 +134,15 @@ class ProjectFile:
         if lock is None:
             other = _open_files.get(_key(path))
             lock = FileLock(path)
-            if other is not None:
+            if other is not None and overwrite:
                 other._surrender()
             try:
                 holder = lock.acquire()
             except OSError as error:
                 raise explain(error, path) from error
+            if not overwrite and (holder or path.exists()):  # whoever has the lock alone may make the file
+                lock.release()
+                raise FileExistsError(errno.EEXIST, f"{str(path)!r} is there already")
             if holder:
                 raise PermissionError(
                     errno.EACCES, f"can't write {str(path)!r}: {holder} works on it; choose another name"

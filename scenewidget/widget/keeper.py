@@ -142,7 +142,7 @@ class Keeper:
             elif session.path is not None and not session.read_only:
                 written = session.save()
             else:
-                written = session.save(self.free_place())
+                written = self._save_anew(session)
         except OSError as error:
             self._problem = str(error)
             raise
@@ -158,14 +158,16 @@ class Keeper:
         if writing is not None and writing is not threading.current_thread():
             writing.join()
 
-    def free_place(self) -> Path:
-        """Where a new file can go: no file of that name is there."""
+    def _save_anew(self, session: Session) -> Path:
+        """Write a session to the first name that is free; no other widget gets the same."""
         first = self._path or self._folder / default_name(self._view.mesh)
         place, number = first, 1
-        while place.exists():
-            number += 1
-            place = first.with_name(f"{first.stem}-{number}{first.suffix}")
-        return place
+        while True:
+            try:
+                return session.save(place, overwrite=False)
+            except FileExistsError:
+                number += 1
+                place = first.with_name(f"{first.stem}-{number}{first.suffix}")
 
     def _begin_file(self, session: Session) -> None:
         """Make the file beside the work: at a million faces that takes half a second."""
@@ -175,7 +177,7 @@ class Keeper:
 
             def write() -> None:
                 try:
-                    session.save(self.free_place())
+                    self._save_anew(session)
                     self._problem = ""
                 except OSError as error:
                     self._problem = str(error)
@@ -228,7 +230,7 @@ class Keeper:
             self._restore(self.offered.path)
         elif action in ("save", "copy") and self._session is not None:
             with contextlib.suppress(OSError):  # told by the notice
-                self.save(self._session, self.free_place() if action == "copy" else None)
+                self.save(self._session)
         if action in ("restore", "drop"):
             with self._lock:
                 self._drop_notice(notice)

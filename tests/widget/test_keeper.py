@@ -11,6 +11,7 @@ import pytest
 import shapes
 
 import scenewidget as sw
+from scenewidget.editing import store
 from scenewidget.editing.store import summary_of
 from scenewidget.widget.keeper import default_name, newest_project
 
@@ -143,6 +144,20 @@ def test_edits_made_before_restoring_stay_in_a_file_of_their_own(show, mesh):
     assert second.session.path.name == default_name(mesh)
     assert len(second.session.edits) == 1
     assert summary_of(own).n_steps == 2
+
+
+def test_two_widgets_that_begin_their_files_at_once_have_one_each(show, mesh, monkeypatch):
+    widgets = show(), show()
+    both_write, create = threading.Barrier(2), store._create
+    monkeypatch.setattr(store, "_create", lambda *args: (both_write.wait(30), create(*args)))
+    for widget in widgets:
+        widget.view._handle_custom_msg({"kind": "relabel", "face": 0, "name": "wall", "revision": 9}, [])
+    for widget in widgets:
+        widget._keeper.wait()
+    name = default_name(mesh)
+    assert {widget.session.path.name for widget in widgets} == {name, name.replace(".swproj", "-2.swproj")}
+    assert [widget.view.save_state for widget in widgets] == ["saved", "saved"]
+    assert [summary_of(widget.session.path).n_steps for widget in widgets] == [1, 1]
 
 
 def test_running_the_cell_again_takes_the_file_over_and_says_so(show):
