@@ -206,6 +206,7 @@ class SceneView(anywidget.AnyWidget):
 
     _up = traitlets.List(traitlets.Float(), [0.0, 0.0, 1.0]).tag(sync=True)  # unit vector
     _camera = traitlets.Dict().tag(sync=True)  # as it last stood still on any page
+    _hidden = traitlets.List(traitlets.Int()).tag(sync=True)  # a face of each atom hidden last on any page
     _channel = traitlets.Unicode().tag(sync=True)  # on which controls speak to it
     _is_preview = traitlets.Bool(False).tag(sync=True)
     _token = traitlets.Unicode().tag(sync=True)  # tells models apart, for views of one on a page

@@ -4,6 +4,7 @@ import { ASIDE, GONE_NOTICE, watchConnection } from "./connection.js";
 import { counted } from "./description.js";
 import { createEditing } from "./editing.js";
 import { faceValues } from "./errors.js";
+import { facesOf } from "./hiding.js";
 import { listenToKeys } from "./keyboard.js";
 import { Labelling } from "./labelling.js";
 import { legendOf } from "./legend.js";
@@ -50,20 +51,31 @@ const GROUPS = {
  * @returns {() => void}  undoes everything
  */
 function render(host) {
-  let stop = start(host, again);
+  let view = start(host, again, {});
   function again() {
-    stop();
-    stop = start(host, again);
+    const kept = view.keep();
+    view.stop();
+    view = start(host, again, kept);
   }
-  return () => stop();
+  return () => view.stop();
 }
+
+/**
+ * What one page alone knows of a view, for the one that takes its place.
+ * @typedef {object} Kept
+ * @property {import("./camera.js").Camera} [camera]
+ * @property {import("./camera.js").Camera | null} [outside]
+ * @property {import("./gestures.js").Tool} [tool]
+ * @property {boolean} [isSectionShown]
+ */
 
 /**
  * @param {{ model: Model, el: HTMLElement }} host
  * @param {() => void} again  ends this view and makes another in its place
- * @returns {() => void}  undoes everything
+ * @param {Kept} kept  of the view before
+ * @returns {{ stop: () => void, keep: () => Kept }}  stop undoes everything
  */
-function start({ model, el }, again) {
+function start({ model, el }, again, kept) {
   const life = new AbortController();
   const { signal } = life;
   const set = (/** @type {string} */ name, /** @type {unknown} */ value) => {
@@ -143,13 +155,14 @@ function start({ model, el }, again) {
       `The 3D view can't be drawn: ${messageOf(error)} It needs WebGL 2, which ` +
         "current browsers have; on a remote or virtual machine it may have to be switched on.",
     );
-    return () => root.remove();
+    return { stop: () => root.remove(), keep: () => kept };
   }
   const view = viewer;
   /** Whether the browser has taken the graphics context away, for others. */
   let isAside = false;
-  const camera = model.get("_camera");
+  const camera = kept.camera ?? model.get("_camera");
   if (camera?.target) view.first = camera;
+  view.outside = kept.outside ?? null;
   const preview = new Preview(model, () => take(new Set(/** @type {const} */ (["partition"]))), signal);
   const labelling = new Labelling(model, view, preview);
   const around = { model, view, panel, labelling, signal };
@@ -157,7 +170,10 @@ function start({ model, el }, again) {
   const pointing = createPointing(around, (operation) => editing.edit(operation), linking.pointed);
   const editing = createEditing(around, {
     onEdit: () => take(new Set(/** @type {const} */ (["partition"]))),
-    onHide: () => take(new Set()),
+    onHide: () => {
+      keepHidden();
+      take(new Set());
+    },
     letGo: () => pointing.letGo(),
   });
   createSuggesting({ ...around, pointing });
@@ -171,6 +187,7 @@ function start({ model, el }, again) {
     if (groups.has("geometry")) takeGeometry();
     if (groups.has("partition")) {
       labelling.read();
+      keepHidden();
       pointing.renew();
     }
     takeValues();
@@ -288,6 +305,21 @@ function start({ model, el }, again) {
     if (view.camera !== view.start && !isKept) set("_camera", view.camera);
   }
 
+  /** What is hidden, as far as the model knows it. @type {Uint8Array | null | undefined} */
+  let toldHidden;
+  /** Hide what was hidden last, then remember what is, for pages that open or are saved later. */
+  function keepHidden() {
+    const { partition } = view;
+    if (!partition || labelling.isPreview) return;
+    if (toldHidden === undefined) {
+      const atoms = new Set(
+        (model.get("_hidden") ?? []).map((/** @type {number} */ face) => partition.faceAtom[face]),
+      );
+      if (atoms.size > 0) view.hide((atom) => atoms.has(atom));
+    } else if (toldHidden !== view.hidden) set("_hidden", facesOf(view.hidden, partition.faceAtom));
+    toldHidden = view.hidden;
+  }
+
   listen(model, GROUPS, take, signal);
   let wasBusy = model.get("busy");
   const onStatus = () => {
@@ -362,11 +394,21 @@ function start({ model, el }, again) {
   scrolling.observe(canvas);
 
   take(new Set(/** @type {const} */ (["geometry", "partition", "values"])));
+  if (kept.tool) pointing.setTool(kept.tool);
+  if (kept.isSectionShown) panel.section.show(true, { isFocused: false });
 
-  return () => {
-    life.abort();
-    view.dispose();
-    root.remove();
+  return {
+    stop: () => {
+      life.abort();
+      view.dispose();
+      root.remove();
+    },
+    keep: () => ({
+      camera: view.camera,
+      outside: view.outside,
+      tool: pointing.tool(),
+      isSectionShown: panel.section.isShown(),
+    }),
   };
 }
 

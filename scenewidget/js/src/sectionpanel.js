@@ -57,9 +57,10 @@ export function createSectionPanel(actions) {
     ),
     element("div", { class: "sw-section-foot" }, [ceiling, reset]),
   ]);
-  const show = (/** @type {boolean} */ isShown) => {
+  const show = (/** @type {boolean} */ isShown, { isFocused = true } = {}) => {
     if (panel.hidden !== isShown) return;
     panel.hidden = !isShown;
+    if (!isFocused) return;
     if (isShown) rows[2].ends[1].focus({ preventScroll: true });
     else actions.leave();
   };

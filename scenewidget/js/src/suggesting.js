@@ -36,7 +36,6 @@ export function createSuggesting({ model, view, panel, labelling, pointing, sign
   }
 
   function show() {
-    const before = shown;
     shown = model.get("suggestion") ?? {};
     isWaiting = false;
     const isThere = shown.title !== undefined;
@@ -46,7 +45,12 @@ export function createSuggesting({ model, view, panel, labelling, pointing, sign
     root.dataset.suggestion = isThere ? shown.kind : "";
     text.textContent = shown.title ?? "";
     pointing.propose(isThere ? { face: shown.face, onto: shown.onto_face } : null);
-    if (!isThere || shown.number === before.number) return;
+  }
+
+  function showNext() {
+    const { number } = shown;
+    show();
+    if (bar.hidden || shown.number === number) return;
     if (model.get("level") !== shown.level) {
       model.set("level", shown.level);
       model.save_changes();
@@ -77,7 +81,7 @@ export function createSuggesting({ model, view, panel, labelling, pointing, sign
     send(meant);
   };
   root.addEventListener("keydown", onKey, { signal, capture: true });
-  on(model, "change:suggestion", show, signal);
+  on(model, "change:suggestion", showNext, signal);
   const onMessage = (/** @type {any} */ message) => {
     if (message.kind !== "suggest") return;
     send("next");

@@ -21,6 +21,7 @@ import {
   zoom,
 } from "./camera.js";
 import { coarse, sample } from "./geometry.js";
+import { carried } from "./hiding.js";
 import { atomTable, NONE } from "./partition.js";
 import { SceneRenderer } from "./renderer.js";
 import { belowCeiling, boxOf, extentOf, isWhole, pointsInside, WHOLE } from "./section.js";
@@ -109,6 +110,8 @@ export class Viewer {
     };
     /** 1 for each atom that isn't drawn. @type {Uint8Array | null} */
     this.hidden = null;
+    /** What was hidden over the atoms of then, for when a preview ends. @type {{ faceAtom: Uint32Array, hidden: Uint8Array | null } | null} */
+    this.chosen = null;
     this.isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.needs = 0;
     this.isMoving = false;
@@ -182,7 +185,10 @@ export class Viewer {
     if (partition?.faceAtom !== this.partition?.faceAtom)
       this.renderer.setFaceAtoms(partition?.faceAtom ?? null);
     const hadHidden = this.hidden !== null;
-    this.hidden = carried(this.hidden, this.partition, partition);
+    this.hidden =
+      partition && partition.faceAtom === this.chosen?.faceAtom
+        ? this.chosen.hidden
+        : carried(this.hidden, this.partition, partition);
     this.partition = partition;
     this.#setTable();
     this.#draw(hadHidden && !this.hidden ? FACES : PAINT);
@@ -194,8 +200,10 @@ export class Viewer {
    */
   hide(isHidden) {
     if (!this.partition) return;
-    const n = this.partition.atomSegment.length;
+    const { atomSegment, faceAtom } = this.partition;
+    const n = atomSegment.length;
     this.hidden = isHidden ? Uint8Array.from({ length: n }, (_, atom) => Number(isHidden(atom))) : null;
+    this.chosen = { faceAtom, hidden: this.hidden };
     this.#setTable();
     this.#draw(FACES);
   }
@@ -624,20 +632,4 @@ export class Viewer {
       isDark,
     };
   }
-}
-
-/**
- * What is hidden, over other atoms of the same faces.
- * @param {Uint8Array | null} hidden
- * @param {Partition | null} before
- * @param {Partition | null} after
- */
-function carried(hidden, before, after) {
-  if (!hidden || !before || !after) return null;
-  if (before.faceAtom === after.faceAtom) return hidden;
-  const next = new Uint8Array(after.atomSegment.length);
-  for (let face = 0; face < after.faceAtom.length; face++) {
-    next[after.faceAtom[face]] = hidden[before.faceAtom[face]];
-  }
-  return next;
 }
