@@ -24,7 +24,7 @@ from scenewidget.editing.fingerprint import fingerprint, living_mesh
 from scenewidget.editing.partition import Change, Partition
 from scenewidget.editing.project import Operation, Project, ProjectError, read_log
 from scenewidget.editing.store import ProjectFile
-from scenewidget.editing.suggestions import Suggestion, SuggestionKey, suggest, suggestion_key
+from scenewidget.editing.suggestions import Dismissal, Suggestion, suggest
 from scenewidget.editing.vocabulary import NYU40, chosen_vocabulary
 from scenewidget.engine.atoms import Atoms
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, MeshError, load_mesh
@@ -201,7 +201,7 @@ class Session:
             self._operations.append(Operation(time.time(), "vocabulary", names=self._vocabulary))
         self._current: Segmentation | None = None
         self._revision = 0
-        self._dismissed: set[SuggestionKey] = set()
+        self._dismissed: list[Dismissal] = []
         self._observers: list[Callable[[Event], None]] = []
         self._file: ProjectFile | None = None
         self._n_durable = 0
@@ -516,12 +516,23 @@ class Session:
         with self._lock:
             if self._partition.automatic.keys is None:
                 return []
-            return suggest(self._partition, int(n), frozenset(self._dismissed))
+            return suggest(self._partition, int(n), self._dismissed)
 
     def dismiss(self, suggestion: Suggestion) -> None:
-        """No longer make a ``suggestion``, until another segmentation comes underneath."""
+        """No longer make a ``suggestion``, in either direction.
+
+        It may come back once a segment in question is no longer much what it was (half of its faces gone, or
+        twice as many), and once another segmentation comes underneath.
+
+        Parameters
+        ----------
+        suggestion : Suggestion
+            One of `suggestions`, for the segments as they are now.
+        """
+        if not isinstance(suggestion, Suggestion):
+            raise TypeError(f"suggestion must be one of suggestions(), got {type(suggestion).__name__}")
         with self._lock:
-            self._dismissed.add(suggestion_key(self._partition, suggestion))
+            self._dismissed.append(Dismissal.of(self._partition, suggestion))
 
     def observe(self, callback: Callable[[Event], None]) -> Callable[[], None]:
         """Call ``callback(event)`` after every change; returns what ends that.

@@ -8,6 +8,7 @@ larger they are.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -19,11 +20,12 @@ from scenewidget.engine.evidence import agreement_of_groups, foreign, same_thing
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.engine.segmentation import Level
 
-__all__ = ["Evidence", "Suggestion", "SuggestionKey", "suggest", "suggestion_key"]
+__all__ = ["Dismissal", "Evidence", "Suggestion", "suggest"]
 
 SMALLEST = 2e-4  # share of the faces below which a part is not worth a question
 PROBABLE = 0.05  # least probability of a merge that is worth one: walls and floors are large, but not one
-SuggestionKey = tuple[str, frozenset[int]]
+N_SAMPLES = 32  # faces by which a segment is known again
+SuggestionKey = tuple[int, frozenset[int]]  # base segment (-1: a whole segment) and ids of the segments
 
 
 @dataclass(frozen=True)
@@ -65,24 +67,74 @@ class Suggestion:
         return Merge((self.face,), self.onto_face, self.level)
 
 
-def suggestion_key(partition: Partition, suggestion: Suggestion) -> SuggestionKey:
-    """What the suggestion is about: the same for both directions of a merge, and after edits elsewhere."""
-    ends = [partition.segment_at(face) for face in (suggestion.face, suggestion.onto_face) if face >= 0]
-    if suggestion.level == "final":
-        return "merge", frozenset(ends)
-    part = int(partition.parts["base"][partition.atoms.face_atom[suggestion.face]])
-    return f"base {part}", frozenset(ends)
+@dataclass(frozen=True, eq=False)
+class Dismissal:
+    """A suggestion that a person rejected, remembered by faces: undo gives the ids of segments anew.
+
+    Attributes
+    ----------
+    part : int
+        Base segment that was to move; -1 for a whole segment.
+    samples : tuple of (N_SAMPLES,) int
+        Faces spread over each segment in question.
+    sizes : tuple of float
+        Number of faces of each.
+    """
+
+    part: int
+    samples: tuple[IntArray, ...]
+    sizes: tuple[float, ...]
+
+    @classmethod
+    def of(cls, partition: Partition, suggestion: Suggestion) -> Dismissal:
+        """What there is to remember of a suggestion for the segments as they are now."""
+        atoms = partition.atoms
+        part = -1
+        if suggestion.level == "base":
+            part = int(partition.parts["base"][atoms.face_atom[suggestion.face]])
+        samples, sizes = [], []
+        for face in (suggestion.face, suggestion.onto_face):
+            if face < 0:
+                continue
+            inside = np.flatnonzero(partition.segment == partition.segment_at(face))
+            end = np.cumsum(partition.atom_faces[inside])
+            places = (np.arange(N_SAMPLES) + 0.5) / N_SAMPLES * end[-1]
+            samples.append(atoms.first_face[inside[np.searchsorted(end, places)]])
+            sizes.append(float(end[-1]))
+        return cls(part, tuple(samples), tuple(sizes))
+
+    def key(self, partition: Partition, sizes: FloatArray) -> SuggestionKey | None:
+        """Which suggestion is rejected now; None where a segment in question is no longer what it was.
+
+        That is, it has lost half of its faces, or has more than twice as many.
+
+        Parameters
+        ----------
+        partition : Partition
+        sizes : (n_segments + 1,) float
+            Faces of each segment by its id, after those of none.
+        """
+        ids = []
+        for faces, size in zip(self.samples, self.sizes, strict=True):
+            now = partition.segment[partition.atoms.face_atom[faces]] + 1
+            home = int(np.bincount(now).argmax())
+            if 2 * np.count_nonzero(now == home) <= N_SAMPLES or sizes[home] > 2 * size:
+                return None
+            ids.append(home - 1)
+        return self.part, frozenset(ids)
 
 
-def suggest(partition: Partition, n: int, dismissed: frozenset[SuggestionKey]) -> list[Suggestion]:
+def suggest(partition: Partition, n: int, dismissed: Sequence[Dismissal]) -> list[Suggestion]:
     """At most n suggestions, the largest expected gain first.
 
     Nothing that a person decided is put in question: what was taken apart or named differently is not to be
     merged, what was moved is not to be moved again, and what is in ``dismissed`` is not repeated.
     """
+    sizes = np.bincount(partition.segment + 1, partition.atom_faces).astype(np.float64)
+    rejected = {dismissal.key(partition, sizes) for dismissal in dismissed}
     evidence = Evidence(partition)
     found: list[tuple[float, float, SuggestionKey, int, int, int]] = []
-    most = n + len(dismissed)
+    most = n + len(rejected)
     for rows in (evidence.merges(most), evidence.moves(most)):
         found += rows
     found.sort(key=lambda row: -row[0])
@@ -90,7 +142,7 @@ def suggest(partition: Partition, n: int, dismissed: frozenset[SuggestionKey]) -
     for gain, probability, key, part, home, onto in found:
         if len(out) == n:
             break
-        if key not in dismissed:
+        if key not in rejected:
             out.append(evidence.suggestion(gain, probability, part, home, onto))
     return out
 
@@ -145,7 +197,7 @@ class Evidence:
         out = []
         for a, b in zip(one[order].tolist(), other[order].tolist()):
             onto, part = (a, b) if self.size[a] >= self.size[b] else (b, a)
-            key = ("merge", frozenset((int(self.ids[a]), int(self.ids[b]))))
+            key = (-1, frozenset((int(self.ids[a]), int(self.ids[b]))))
             out.append((float(gain[a, b]), float(probability[a, b]), key, -1, part, onto))
         return out
 
@@ -177,8 +229,7 @@ class Evidence:
             gain, probability = (join[i, onto], joins[i, onto]) if is_join[i] else (leave[i], leaves[i])
             ends = {int(self.ids[home[i]])} | ({int(self.ids[onto])} if onto >= 0 else set())
             part = int(self.part[self.asked[i]])
-            key = (f"base {part}", frozenset(ends))
-            out.append((float(gain), float(probability), key, part, int(home[i]), onto))
+            out.append((float(gain), float(probability), (part, frozenset(ends)), part, int(home[i]), onto))
         return out
 
     def _kept_apart(self) -> BoolArray:

@@ -69,6 +69,49 @@ def test_what_was_dismissed_is_not_suggested_again():
     assert session.suggestions(1) == [second]
 
 
+def merges(session):
+    """Pairs of segments to be merged, each by the first of the eight parts that it has."""
+    first = [session.part(part * FACES, "final").nonzero()[0].min() for part in range(8)]
+    return [
+        {first[s.face // FACES], first[s.onto_face // FACES]}
+        for s in session.suggestions(100)
+        if s.level == "final"
+    ]
+
+
+def test_a_dismissal_is_of_these_parts_whatever_ids_they_get_after_an_undo():
+    keys = agreeing({})
+    keys[[1, 3], :5] = 2  # half of segment 0 and half of segment 1 were with segment 2 in half of the runs
+    session = strip(keys)
+    session.split(FACES, "base")
+    assert {1, 4} in merges(session)
+    session.dismiss(session.suggestions(100)[merges(session).index({1, 4})])
+    assert {1, 4} not in merges(session)
+    session.undo()
+    session.split(3 * FACES, "base")  # it has the id now that the other half had
+    assert {3, 4} in merges(session)
+    session.undo()
+    session.split(FACES, "base")
+    assert {1, 4} not in merges(session)
+
+
+def test_a_dismissal_outlasts_small_changes_of_what_it_is_about_but_not_large_ones():
+    session = strip(agreeing({(1, 0): 0.5, (1, 2): 0.5, (1, 3): 0.5}))
+    session.dismiss(session.suggestions(100)[merges(session).index({0, 2})])
+    assert {0, 2} not in merges(session)
+    session.merge(6 * FACES, 0, "base")  # one and a half times as large
+    assert {0, 2} not in merges(session)
+    session.merge([4 * FACES, 7 * FACES], 0)
+    assert {0, 2} in merges(session)
+    session.go_to(1)
+    assert {0, 2} not in merges(session)
+
+
+def test_only_a_suggestion_can_be_dismissed():
+    with pytest.raises(TypeError, match=r"suggestion must be one of suggestions\(\), got Split"):
+        strip(agreeing({})).dismiss(Split(0, "base"))
+
+
 def test_what_a_person_took_apart_stays_apart():
     session = strip(agreeing({}))
     session.split(0, "base")  # the two halves of a segment agree in every run
