@@ -136,7 +136,7 @@ function slider({ name, label, low = 0, high = 1, step = 1, automatic, automatic
     if (box && kind === "family") box.input.checked = false;
     paint(track);
   });
-  commit(exact, () => Number(exact.value), name, actions);
+  const isTyping = commit(exact, () => Number(exact.value), name, actions);
   box?.input.addEventListener("change", () =>
     actions.set(name, box.input.checked ? automaticValue : Number(track.value)),
   );
@@ -152,7 +152,7 @@ function slider({ name, label, low = 0, high = 1, step = 1, automatic, automatic
         if (isOff) control.dataset.off = "";
         else delete control.dataset.off;
       }
-      if (isMoving()) return;
+      if (isMoving() || isTyping()) return;
       if (family?.length) [track.min, track.max] = [String(family[0]), String(family[1])];
       else if (typeof number === "number") {
         track.max = String(Math.max(high, number));
@@ -227,11 +227,11 @@ function number({ name, low, high, step }, actions, id) {
   const input = element("input", { type: "number", id, step: step === undefined ? "any" : `${step}` });
   if (low !== undefined) input.min = String(low);
   if (high !== undefined) input.max = String(high);
-  commit(input, () => Number(input.value), name, actions);
+  const isTyping = commit(input, () => Number(input.value), name, actions);
   return {
     element: element("div", { class: "swc-input" }, [input]),
     inputs: [input],
-    show: shower(input, String),
+    show: shower(input, String, isTyping),
   };
 }
 
@@ -243,11 +243,11 @@ function list({ name }, actions, id) {
       .split(/[,;\s]+/)
       .filter(Boolean)
       .map(Number);
-  commit(input, value, name, actions);
+  const isTyping = commit(input, value, name, actions);
   return {
     element: element("div", { class: "swc-input" }, [input]),
     inputs: [input],
-    show: shower(input, (numbers) => numbers.join(", ")),
+    show: shower(input, (numbers) => numbers.join(", "), isTyping),
   };
 }
 
@@ -283,22 +283,38 @@ function check({ name }, actions, id) {
  * @param {() => unknown} value
  * @param {string} name
  * @param {Actions} actions
+ * @returns {() => boolean}  whether somebody is typing: a result that comes meanwhile leaves the input alone
  */
 function commit(input, value, name, actions) {
+  let isTyping = false;
+  input.addEventListener("input", () => {
+    isTyping = true;
+  });
   input.addEventListener("change", () => {
+    isTyping = false;
     if (input.value.trim() === "") actions.leave(name);
     else actions.set(name, value());
   });
+  const leave = () => {
+    isTyping = false;
+    actions.leave(name);
+  };
+  input.addEventListener("blur", () => isTyping && leave()); // the same as it was
   input.addEventListener("keydown", (event) => {
     event.stopPropagation();
-    if (event.key === "Escape") actions.leave(name);
+    if (event.key === "Escape") leave();
   });
+  return () => isTyping;
 }
 
-/** @param {HTMLInputElement | HTMLSelectElement} input @param {(value: any) => string} text */
-function shower(input, text) {
+/**
+ * @param {HTMLInputElement | HTMLSelectElement} input
+ * @param {(value: any) => string} text
+ * @param {() => boolean} [isTyping]
+ */
+function shower(input, text, isTyping = () => false) {
   return (/** @type {FieldState} */ { value }) => {
-    input.value = text(value);
+    if (!isTyping()) input.value = text(value);
   };
 }
 
