@@ -580,7 +580,8 @@ export class Viewer {
     const [drawing, camera, aspect] = [this.drawing, this.camera, this.size.width / this.size.height];
     const isFirst = this.cost === null;
     const numbers = await this.renderer.readNumbers();
-    if (!numbers || this.isDisposed || this.isLost || drawing !== this.drawing) return;
+    const isOld = drawing !== this.drawing || this.needs === FACES; // drawn anew meanwhile, or about to be
+    if (!numbers || this.isDisposed || this.isLost || isOld) return;
     this.snapshot = { numbers, camera, aspect };
     const cost = performance.now() - began;
     this.cost = isFirst ? Math.min(cost, SMOOTH_MS + 1) : cost; // the first time includes the transfer to the GPU
