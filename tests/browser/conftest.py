@@ -40,7 +40,7 @@ FLAGS = [
     "--ignore-gpu-blocklist",
 ]
 NO_NEWS = {"@jupyterlab/apputils-extension:notification": {"fetchNews": "false", "checkForUpdates": False}}
-START_SECONDS = 60
+PATIENCE_SECONDS = 90  # a wait ends as soon as it can, but a busy machine can be slow
 PARTS = """(root, step) => {
     const canvas = root.querySelector("canvas");
     const box = canvas.getBoundingClientRect();
@@ -67,6 +67,19 @@ PARTS = """(root, step) => {
     }));
     return Object.fromEntries(Object.entries(best).map(([part, { place }]) => [part, place]));
 }"""
+# The messages of widgets that the kernel hasn't dealt with yet. A widget holds others back meanwhile.
+WATCH_MESSAGES = """() => {
+    const { kernel } = window.jupyterapp.shell.currentWidget.context.sessionContext.session;
+    const unanswered = window.unanswered = new Set();
+    kernel.anyMessage.connect((_, { msg, direction }) => {
+        if (direction === "send" && msg.header.msg_type === "comm_msg") unanswered.add(msg.header.msg_id);
+    });
+    kernel.iopubMessage.connect((_, { content, parent_header }) => {
+        if (content.execution_state === "idle") unanswered.delete(parent_header.msg_id);
+    });
+}"""
+IS_IDLE = """() => window.jupyterapp?.shell.currentWidget?.context?.sessionContext
+    ?.session?.kernel?.status === 'idle'"""
 HARMLESS = ("favicon", "ResizeObserver loop")  # the host's own remarks
 
 
@@ -154,7 +167,7 @@ def serve(
             env={**os.environ, **(env or {})}, stdout=output, stderr=subprocess.STDOUT, cwd=home,
         )  # fmt: skip
     try:
-        deadline = time.monotonic() + START_SECONDS
+        deadline = time.monotonic() + PATIENCE_SECONDS
         while not _answers(f"{url}{path}"):
             if process.poll() is not None or time.monotonic() > deadline:
                 pytest.fail(f"{command[2]} did not start:\n{log.read_text()[-3000:]}", pytrace=False)
@@ -184,6 +197,7 @@ def browser(chromium: str) -> Iterator[Any]:
 def profile(browser: Any) -> Iterator[Any]:
     """One browser profile for all tests, so that JupyterLab comes out of its cache."""
     context = browser.new_context()
+    context.set_default_timeout(1000 * PATIENCE_SECONDS)
     yield context
     context.close()
 
@@ -247,13 +261,14 @@ class Notebook:
         """Open a notebook of the server's folder."""
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("console", self._listen)
-        self.page.goto(f"{self.server.url}/lab/tree/{name}?token={self.server.token}&reset")
-        self.page.wait_for_function(
-            """() => window.jupyterapp?.shell.currentWidget?.context?.sessionContext
-                ?.session?.kernel?.status === 'idle'""",
-            timeout=60_000,
-        )
-        self.page.evaluate("() => window.jupyterapp.shell.collapseLeft()")
+        self.page.goto(self.address(name))
+        self.page.wait_for_function(IS_IDLE)
+        self.page.evaluate(WATCH_MESSAGES)
+        self.page.evaluate("() => window.jupyterapp.shell.collapseLeft?.()")
+
+    def address(self, name: str) -> str:
+        """Where the server shows a notebook."""
+        return f"{self.server.url}/lab/tree/{name}?token={self.server.token}&reset"
 
     def run_all(self) -> None:
         """Run all cells and wait until the kernel is done with them."""
@@ -264,14 +279,15 @@ class Notebook:
         self.page.evaluate(
             "() => window.jupyterapp.shell.currentWidget.context.sessionContext.restartKernel()"
         )
-        self.page.wait_for_function(
-            """() => window.jupyterapp.shell.currentWidget.context.sessionContext
-                .session.kernel.status === 'idle'""",
-            timeout=60_000,
-        )
+        self.page.evaluate("() => window.unanswered.clear()")  # the kernel that is gone answers no more
+        self.page.wait_for_function(IS_IDLE)
 
     def evaluate(self, expression: str) -> str:
-        """`repr` of a Python expression in the notebook's kernel."""
+        """`repr` of a Python expression in the kernel, once it has taken what was done on the page.
+
+        The page, too, has then taken whatever Python had told it before.
+        """
+        self.page.wait_for_function("() => window.unanswered.size === 0")
         answer = self.page.evaluate(
             """async expression => {
                 const kernel = window.jupyterapp.shell.currentWidget.context.sessionContext.session.kernel;
@@ -285,9 +301,9 @@ class Notebook:
             raise AssertionError(f"{answer['ename']}: {answer['evalue']}")
         return answer["data"]["text/plain"]
 
-    def wait_for(self, expression: str, value: object, *, timeout: float = 10) -> None:
+    def wait_for(self, expression: str, value: object) -> None:
         """Wait until a Python expression has a value in the kernel."""
-        deadline = time.monotonic() + timeout
+        deadline = time.monotonic() + PATIENCE_SECONDS
         while (seen := self.evaluate(expression)) != repr(value):
             assert time.monotonic() < deadline, f"{expression} is still {seen}, not {value!r}"
             self.page.wait_for_timeout(50)
@@ -296,15 +312,14 @@ class Notebook:
         """Run statements in the kernel, outside any cell."""
         assert self.evaluate(f"exec({code!r})") == "None"
 
-    def view(self, index: int = 0, *, timeout: float = 30) -> View:
+    def view(self, index: int = 0) -> View:
         """The n-th view of the notebook, once its first frame is drawn."""
         root = self.page.locator(".scenewidget").nth(index)
-        root.wait_for(state="attached", timeout=1000 * timeout)
+        root.wait_for(state="attached")
         root.evaluate("root => root.scrollIntoView({ block: 'center' })")  # off screen, nothing is drawn
-        self.page.wait_for_function(
-            "root => root.dataset.ready === 'true'", arg=root.element_handle(), timeout=1000 * timeout
-        )
-        return View(self.page, root)
+        view = View(self.page, root)
+        view.wait("ready", "true")
+        return view
 
     def close(self) -> None:
         """End the kernel and the page."""
@@ -329,17 +344,23 @@ class View:
         """The `data-` attribute of that name."""
         return self.root.get_attribute(f"data-{name}")
 
-    def wait(self, name: str, value: str, *, timeout: float = 10) -> None:
+    def wait(self, name: str, value: str) -> None:
         """Wait until an attribute has a value."""
         self.page.wait_for_function(
             "([root, name, value]) => root.getAttribute(`data-${name}`) === value",
             arg=[self.root.element_handle(), name, value],
-            timeout=1000 * timeout,
         )
 
     def settle(self) -> None:
         """Wait until the camera has stopped and what is under the pointer is known again."""
+        self.wait_frames(2)  # in which a new layout becomes a new size
         self.wait("moving", "false")
+
+    def wait_frames(self, n: int) -> None:
+        """Wait until the page has been drawn so many times."""
+        self.page.evaluate(
+            "async n => { while (n-- > 0) await new Promise((drawn) => requestAnimationFrame(drawn)); }", n
+        )
 
     def size(self) -> tuple[float, float]:
         """Width and height of the picture."""

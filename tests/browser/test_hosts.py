@@ -38,15 +38,8 @@ def classic(tmp_path_factory, chromium):
 class Classic(Notebook):
     """A notebook in a page of Notebook 7."""
 
-    def open_file(self, name):
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.on("console", self._listen)
-        self.page.goto(f"{self.server.url}/notebooks/{name}?token={self.server.token}")
-        self.page.wait_for_function(
-            """() => window.jupyterapp?.shell.currentWidget?.context?.sessionContext
-                ?.session?.kernel?.status === 'idle'""",
-            timeout=60_000,
-        )
+    def address(self, name):
+        return f"{self.server.url}/notebooks/{name}?token={self.server.token}"
 
 
 @pytest.fixture
@@ -68,7 +61,7 @@ def book(classic, profile):
 
 def test_notebook_7_shows_points_and_tells_python(book):
     opened = book([LABELLED + "view"])
-    view = opened.view(timeout=60)
+    view = opened.view()
     view.settle()
     assert colors(view.pixels()) >= 3
     part, place = next((part, place) for part, place in view.parts().items() if part)
@@ -85,7 +78,7 @@ def test_notebook_7_shows_points_and_tells_python(book):
 
 def test_notebook_7_edits(book):
     opened = book([WIDGET])
-    opened.view(timeout=60)
+    opened.view()
     editor = Editor(opened)
     (_, start), (_, end) = editor.ends()
     editor.view.drag(start, end)
@@ -119,11 +112,11 @@ def test_voila_shows_points_and_tells_python(voila, profile):
     page.set_viewport_size({"width": 1100, "height": 700})
     errors = []
     page.on("pageerror", lambda error: errors.append(str(error)))
-    page.goto(f"{voila.url}/voila/render/room.ipynb", timeout=120_000)
+    page.goto(f"{voila.url}/voila/render/room.ipynb")
     root = page.locator(".scenewidget")
-    root.wait_for(timeout=120_000)
+    root.wait_for()
     view = View(page, root)
-    view.wait("ready", "true", timeout=60)
+    view.wait("ready", "true")
     view.settle()
     assert view.state("live") == "true"
     assert colors(view.pixels()) >= 3
@@ -176,9 +169,9 @@ def test_marimo_shows_points_and_tells_python(tmp_path, profile):
         page = profile.new_page()
         page.goto(url)
         root = page.locator(".scenewidget")
-        root.wait_for(timeout=60_000)
+        root.wait_for()
         view = View(page, root)
-        view.wait("ready", "true", timeout=60)
+        view.wait("ready", "true")
         view.settle()
         assert colors(view.pixels()) >= 3
         part, place = next((part, place) for part, place in view.parts().items() if part)

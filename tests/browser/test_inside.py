@@ -95,13 +95,11 @@ def test_one_stands_in_the_room_and_walks(room):
     view.root.get_by_role("button", name="First-person view").click()
     view.wait("inside", "true")
     view.settle()
-    view.page.wait_for_function("() => true")
     first = camera(book)
     eye = eval(book.evaluate("list(view._camera['target'])"))
     assert abs(eye[2] - (1.6 - 1.2)) < 0.2  # the mesh's middle is at half its height of 2.4 m
     view.page.keyboard.press("w")
     view.settle()
-    book.page.wait_for_function("() => true")
     gone = camera(book)
     assert gone["target"] != first["target"]
     assert gone["yaw"] == first["yaw"]
@@ -130,9 +128,8 @@ def test_a_key_held_down_walks_on_until_it_is_let_go(room):
     view.wait("inside", "true")
     view.settle()
     before = camera(book)["target"]
-    with moves(view):
-        view.page.keyboard.down("d")
-    view.page.wait_for_timeout(400)
+    view.page.keyboard.down("d")
+    view.wait_frames(25)
     view.page.keyboard.up("d")
     view.settle()
     after = camera(book)["target"]

@@ -50,7 +50,7 @@ def run(notebook, jupyter):
         book = notebook(["None"], height=1000)
         book.open_file(path.name)
         book.run_all()
-        book.page.wait_for_function(DONE, timeout=90_000)
+        book.page.wait_for_function(DONE)
         return book
 
     return run_all
@@ -60,7 +60,7 @@ def figures_of(book, cell: int):
     """The 3D pictures of a cell, scrolled to."""
     book.page.evaluate(SCROLL, cell)
     place = book.page.locator(f'.jp-Cell[data-windowed-list-index="{cell}"] {FIGURES}')
-    place.first.wait_for(state="visible", timeout=15_000)
+    place.first.wait_for(state="visible")
     place.first.scroll_into_view_if_needed()
     return place
 
@@ -92,11 +92,11 @@ def scene_of(book, cell):
     """The scene of a cell, scrolled to and complete."""
     book.page.evaluate(SCROLL, cell)
     root = book.page.locator(f'.jp-Cell[data-windowed-list-index="{cell}"] .scenewidget')
-    root.wait_for(state="attached", timeout=15_000)
+    root.wait_for(state="attached")
     root.evaluate("root => root.scrollIntoView({ block: 'center' })")
     view = View(book.page, root)
-    view.wait("ready", "true", timeout=30)
-    view.wait("busy", "false", timeout=30)
+    view.wait("ready", "true")
+    view.wait("busy", "false")
     view.settle()
     return view
 
@@ -130,10 +130,10 @@ def test_notebook_09_shows_its_session_in_two_windows_and_goes_through_the_histo
     second = scene_of(book, book.page.evaluate(CELLS_SHOWING, ["SceneView("])[0])
     slide(book, "edits", "0")
     at_first = book.evaluate("seg.n_segments")
-    second.wait("segments", at_first, timeout=20)
+    second.wait("segments", at_first)
     assert book.evaluate("len(w.session.edits)") == "0"
     first = scene_of(book, book.page.evaluate(CELLS_SHOWING, ["SceneWidget("])[0])
-    first.wait("segments", at_first, timeout=20)
+    first.wait("segments", at_first)
     assert book.errors == []
 
 
@@ -150,7 +150,7 @@ def test_the_knobs_of_notebook_10_change_picture_and_errors(run):
     book.page.wait_for_function(
         "([title, told]) => title.textContent !== told", arg=[title.element_handle(), told], timeout=60_000
     )
-    book.page.wait_for_function(DONE, timeout=60_000)
+    book.page.wait_for_function(DONE)
     assert (np.abs(before.astype(int) - wait_until_drawn(book, picture)) > 30).any(axis=2).mean() > 0.02
     assert book.errors == []
 
@@ -165,7 +165,7 @@ def test_turning_one_of_a_row_turns_all(notebook):
     )
     book.run_all()
     pictures = book.page.locator(FIGURES)
-    pictures.nth(1).wait_for(state="visible", timeout=30_000)
+    pictures.nth(1).wait_for(state="visible")
     before = [wait_until_drawn(book, pictures.nth(i)) for i in range(2)]
     box = pictures.nth(0).bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -191,7 +191,7 @@ def test_the_explorer_follows_its_sliders_and_a_double_click(notebook):
     )
     book.run_all()
     picture = book.page.locator(FIGURES)
-    picture.wait_for(state="visible", timeout=30_000)
+    picture.wait_for(state="visible")
     before = wait_until_drawn(book, picture)
 
     slider = book.page.locator(".widget-slider").filter(has_text="Eigenfunction").first
@@ -208,14 +208,12 @@ def test_the_explorer_follows_its_sliders_and_a_double_click(notebook):
     book.page.locator(".widget-dropdown select").select_option("Heat from a point")
     book.page.wait_for_function(
         "() => document.querySelector('.scenewidget-figure').textContent.includes('heat from')",
-        timeout=10_000,
     )
     source = book.evaluate("explorer.source")
     box = picture.bounding_box()
     book.page.mouse.dblclick(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     book.page.wait_for_function(
         f"() => !document.querySelector('.scenewidget-figure').textContent.includes('vertex {source} ')",
-        timeout=10_000,
     )
     clicked = np.array(json.loads(book.evaluate("explorer.mesh.vertices[explorer.source].tolist()")))
     target = -np.array(json.loads(book.evaluate("list(explorer.figure.stage.shift)")))

@@ -42,7 +42,7 @@ def test_twenty_views_opened_and_closed_give_their_contexts_back(notebook):
     book.page.on("console", lambda message: warnings.append(message.text))
     book.page.evaluate(COUNT_CONTEXTS)
     book.run_all()
-    book.wait_for("'box' in globals()", True, timeout=30)
+    book.wait_for("'box' in globals()", True)
     for _ in range(20):
         book.execute("box.children = [SceneView(mesh, height=200)]")
         book.view()
@@ -58,12 +58,12 @@ def test_more_views_than_the_browser_allows_are_drawn_when_they_are_looked_at(no
         [ROOM + "import ipywidgets\nipywidgets.VBox([SceneView(mesh, height=200) for _ in range(19)])"]
     )
     book.run_all()
-    book.page.locator(".scenewidget").nth(18).wait_for(state="attached", timeout=60_000)
+    book.page.locator(".scenewidget").nth(18).wait_for(state="attached")
     for index in (0, 9, 18, 0):
         root = book.page.locator(".scenewidget").nth(index)
         root.evaluate("root => root.scrollIntoView({ block: 'center' })")
         drawn_again(book.page, root)
-        view = book.view(index, timeout=60)
+        view = book.view(index)
         view.settle()
         assert colors(view.pixels()) >= 3
 
@@ -127,7 +127,7 @@ def test_running_the_cell_again_replaces_the_view(room):
     old = view.root.locator("canvas").element_handle()
     book.execute("before = view")
     book.run_all()
-    book.wait_for("before is view", False, timeout=30)
+    book.wait_for("before is view", False)
     book.page.wait_for_function("c => !c.isConnected", arg=old)
     again = book.view()
     again.settle()
@@ -140,7 +140,7 @@ def test_a_kernel_that_has_restarted_is_told_of_and_nothing_is_edited(notebook):
     book.run_all()
     editor = Editor(book)
     book.restart()
-    editor.view.wait("live", "false", timeout=30)
+    editor.view.wait("live", "false")
     editor.root.get_by_text("Python is no longer connected to this view").wait_for()
     editor.view.wait("mode", "navigate")
     assert not editor.button("Edit").is_visible()
@@ -168,7 +168,7 @@ def test_a_notebook_closed_and_opened_again_shows_the_view_as_it_was(room):
     book.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
     book.page.wait_for_function("() => !window.jupyterapp.shell.currentWidget.context.model.dirty")
     book.page.reload()
-    again = book.view(timeout=60)
+    again = book.view()
     again.settle()
     assert again.state("segments") == "5"
     assert difference(again.pixels(), before) < 0.01

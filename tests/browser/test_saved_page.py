@@ -34,7 +34,7 @@ def saved(browser, tmp_path):
     root = page.locator(".scenewidget")
     root.wait_for()
     shown = View(page, root)
-    shown.wait("ready", "true", timeout=30)
+    shown.wait("ready", "true")
     shown.settle()
     yield shown
     assert errors == []

@@ -30,13 +30,13 @@ def test_notebook_01_works_under_voila(voila, profile):
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
     page.set_viewport_size({"width": 1000, "height": 900})
-    page.goto(voila, timeout=120_000)  # answers while the notebook runs
+    page.goto(voila)  # answers while the notebook runs
     root = page.locator(".scenewidget")
-    root.wait_for(state="attached", timeout=120_000)
+    root.wait_for(state="attached")
     view = View(page, root)
     root.evaluate("root => root.scrollIntoView({ block: 'center' })")
-    view.wait("ready", "true", timeout=60)
-    view.wait("busy", "false", timeout=60)
+    view.wait("ready", "true")
+    view.wait("busy", "false")
     view.settle()
     assert len(np.unique(view.pixels()[60:-40:4, ::4].reshape(-1, 3) // 32, axis=0)) > 20  # a coloured room
 
@@ -47,7 +47,6 @@ def test_notebook_01_works_under_voila(voila, profile):
     page.wait_for_function(
         "([root, before]) => root.dataset.busy === 'false' && root.dataset.segments !== before",
         arg=[root.element_handle(), before],
-        timeout=60_000,
     )
     page.close()
     assert [error for error in errors if not any(text in error for text in HOST)] == []
