@@ -78,6 +78,7 @@ def test_granularity_is_answered_by_the_browser_itself_and_kept_at_rest(explorer
     revision = explorer.python("w.view.revision")
     drag(1.0)
     explorer.view.wait("preview", "true")
+    explorer.page.get_by_text("Preview: your edits come back when you let go").wait_for()
     explorer.view.wait("segments", str(most))
     assert explorer.python("(w.view.revision, w.params.granularity)") == (revision, None)
     explorer.page.mouse.up()

@@ -220,6 +220,8 @@ function start({ model, el }, again, kept) {
     const own = [...(isLive ? [] : [GONE_NOTICE]), ...(isAside ? [ASIDE] : [])];
     root.dataset.preview = String(labelling.isPreview);
     panel.preview.hidden = !labelling.isPreview;
+    const words = labelling.undo ? "Preview: your edits come back when you let go" : "Preview";
+    if (panel.preview.textContent !== words) panel.preview.textContent = words;
     if (root.dataset.mode !== model.get("mode")) {
       root.dataset.mode = model.get("mode");
       pointing.letGo();
