@@ -17,6 +17,7 @@ __all__ = ["Previewer", "coarser", "preview_params"]
 
 N_RUNS, N_GRAPH_RUNS = 6, 10  # of a preview
 N_SIMPLIFIED = 2_000  # faces; distances between all pairs of 10 000 take seconds
+PREPARING = "Preparing a preview"  # once a mesh: others come at once
 
 
 class Previewer:
@@ -35,12 +36,25 @@ class Previewer:
         self._runner = Newest("scenewidget-preview")
         self._is_open = False  # somebody is trying
         self._epoch = 0  # answers to questions of an earlier one are dropped
+        self._status = ""  # of the view, before it said that a preview is being prepared
+
+    def prepare(self, params: Params) -> None:
+        """Compute what the first preview around these parameters would have to wait for.
+
+        That is another, coarser simplification of the mesh: seconds at a million faces.
+        """
+        with self._lock:
+            if params.items == "simplified" and not self._is_open:
+                self._runner.submit(lambda: self._pipeline.get("items", coarser(params)))
 
     def ask(self, params: Params) -> None:
-        """Show these parameters soon, unless others are asked for before."""
+        """Show these parameters soon, unless others are asked for before; say so if soon isn't at once."""
         with self._lock:
             self._is_open = True
             epoch = self._epoch
+            is_slow = not self._pipeline.knows("items", params)
+            if is_slow and not self._view.busy and self._view.status != PREPARING:
+                self._status, self._view.status = self._view.status, PREPARING
         self._runner.submit(lambda: self._show(params, epoch))
 
     def stop(self) -> None:
@@ -49,6 +63,7 @@ class Previewer:
         with self._lock:
             self._is_open = False
             self._epoch += 1
+            self._be_ready()
 
     def end(self) -> None:
         """Show the segments again."""
@@ -71,10 +86,16 @@ class Previewer:
             items = self._pipeline.get("items", params)
             labels, _ = self._pipeline.get("finish", params)
         except (ValueError, MemoryError):  # the full computation will say what is wrong
-            return
+            items = None
         with self._lock:
             if epoch == self._epoch:
-                self._view.show_preview(items, labels)
+                self._be_ready()
+                if items is not None:
+                    self._view.show_preview(items, labels)
+
+    def _be_ready(self) -> None:
+        if self._view.status == PREPARING:
+            self._view.status = self._status
 
 
 def preview_params(pipeline: Pipeline, wanted: Params, shown: Params) -> Params:

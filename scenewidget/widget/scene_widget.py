@@ -381,6 +381,7 @@ class SceneWidget(widgets.VBox):
             self.controls.can_suggest = True
             self._end(summary)
         self._offer_family(params, self.pipeline.family(params))
+        self._previewer.prepare(params)
 
     def _find_family(self) -> None:
         """Compute in the background what the granularity of the result needs, as far as it is forgotten."""

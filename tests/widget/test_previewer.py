@@ -50,6 +50,47 @@ def test_the_thesis_is_previewed_on_fewer_faces_and_without_its_slow_consensus()
     assert (params.n_items, params.consensus, params.n_graph_runs) == (2000, "linkage", 0)
 
 
+def slowly(monkeypatch, pipeline):
+    """Makes the pipeline wait before each stage; gives what ends that, and a list of what was asked for."""
+    gate, asked, get = threading.Event(), [], pipeline.get
+
+    def wait(stage, params, **options):
+        asked.append((stage, params.n_items))
+        assert gate.wait(30)
+        return get(stage, params, **options)
+
+    monkeypatch.setattr(pipeline, "get", wait)
+    return gate, asked
+
+
+def test_a_preview_that_takes_time_says_so_and_then_no_more(widget, monkeypatch):
+    widget.params = SMALL.replace(items="simplified", n_items=600)
+    widget.wait(60)
+    assert widget._previewer.wait(30)
+    widget.pipeline.clear()
+    gate, _ = slowly(monkeypatch, widget.pipeline)
+    before = widget.view.status
+    move(widget, "cost_exponent", 1.5)
+    move(widget, "cost_exponent", 1.6)
+    assert widget.view.status == "Preparing a preview"
+    gate.set()
+    assert widget._previewer.wait(30)
+    assert (widget.view.status, widget.view._is_preview) == (before, True)
+    move(widget, "cost_exponent", 1.7)
+    assert widget.view.status == before
+
+
+def test_the_first_preview_of_a_simplified_mesh_is_prepared_after_the_result(widget, monkeypatch):
+    gate, asked = slowly(monkeypatch, widget.pipeline)
+    widget.params = SMALL.replace(items="simplified", n_items=3000)
+    widget.wait(60)
+    gate.set()
+    assert widget._previewer.wait(30)
+    assert asked == [("items", 2000)]
+    move(widget, "cost_exponent", 1.5)
+    assert widget.view.status != "Preparing a preview"
+
+
 def test_a_preview_shows_and_leaves_everything_else_alone(widget):
     before = (widget.segmentation, widget.params, widget.session.revision, widget.view.revision)
     move(widget, "n_segments", 9)
