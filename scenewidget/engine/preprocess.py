@@ -31,6 +31,7 @@ from scenewidget.engine.monitor import SILENT, Monitor
 __all__ = ["Simplified", "filter_normals", "keep_components", "neighbor_table", "simplify"]
 
 Simplifier = Literal["fast", "qslim"]
+_FAST_EDGE = 0.02  # mean length that fast-simplification is given: its thresholds are absolute, for metres
 _FAST_SIMPLIFICATION = threading.Lock()  # the library keeps its mesh in a global variable
 
 
@@ -202,6 +203,10 @@ def _fast(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArra
     import fast_simplification
 
     before = vertices, faces
+    center = vertices.mean(axis=0)
+    edge = np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1).mean()
+    unit = float(edge) / _FAST_EDGE
+    vertices = (vertices - center) / unit
     with _FAST_SIMPLIFICATION:
         for aggressiveness in (7.0, 10.0, 15.0):  # fragmented scans stop far above the target: try harder
             vertices, faces = fast_simplification.simplify(
@@ -209,7 +214,8 @@ def _fast(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArra
             )
             if len(faces) <= 1.05 * target:
                 break
-    vertices, faces = np.asarray(vertices, dtype=np.float64), np.asarray(faces, dtype=np.int32)
+    vertices = np.asarray(vertices, dtype=np.float64) * unit + center
+    faces = np.asarray(faces, dtype=np.int32)
     if 0 < len(faces) <= 1.05 * target:
         return vertices, faces
     if len(faces) == 0:  # a target of a few faces: the library may leave none

@@ -383,10 +383,11 @@ def test_place_and_order_of_faces_change_no_segment_of_a_noisy_room(params):
     assert adjusted_rand_score(parts[order], shuffled.labels) == 1.0
 
 
-@pytest.mark.parametrize("factor", [0.5, 8.0])
-def test_the_preset_of_the_thesis_knows_no_unit_of_length_once_faces_are_few(factor):
-    """Up to names. The library that makes them few has thresholds of its own; `Params()` has metres."""
-    params = FAITHFUL.replace(n_items=3000)
+@pytest.mark.parametrize("n_items", [500, 3000])
+@pytest.mark.parametrize("factor", [0.125, 8.0])
+def test_the_preset_of_the_thesis_knows_no_unit_of_length(factor, n_items):
+    """Up to names, whether faces are made few or are few, by powers of two, which round nothing."""
+    params = FAITHFUL.replace(n_items=n_items)
     scaled = segment(Mesh(factor * ROOM.vertices, ROOM.faces), params)
     assert adjusted_rand_score(segment(ROOM, params).labels, scaled.labels) == 1.0
 
