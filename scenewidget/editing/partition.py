@@ -88,6 +88,7 @@ class Partition:
         self._first_names = dict(self.names)
         self._next_id = automatic.n_segments
         self._parent: IntArray = np.arange(self.atoms.n)
+        self._divided: tuple[tuple[Cut, bytes], BoolArray] | None = None  # last, so that a preview is kept
 
     def segment_at(self, face: int) -> int:
         """Id of the segment under a face, -1 if it is unlabeled.
@@ -204,7 +205,14 @@ class Partition:
             del self.names[home]
         return change
 
-    def _cut(self, edit: Cut) -> Change:
+    def divide(self, edit: Cut) -> tuple[IntArray, KnownCut]:
+        """Faces of the segment that a cut would divide, ascending, and which of them it would divide off.
+
+        Raises
+        ------
+        EditError
+            It can't be done here.
+        """
         home = self.segment_at(edit.face_a)
         if home < 0:
             raise EditError(f"face_a {edit.face_a} is unlabelled: there is no segment to cut")
@@ -215,15 +223,23 @@ class Partition:
             )
         faces = np.flatnonzero((self.segment == home)[self.atoms.face_atom])
         digest = hashlib.blake2b(faces.astype("<i4").tobytes(), digest_size=16).digest()
-        is_b = self.known_cuts.get((edit, digest))
+        key = edit, digest
+        is_b = self.known_cuts.get(key)
+        if is_b is None and self._divided is not None and self._divided[0] == key:
+            is_b = self._divided[1]
         if is_b is None or len(is_b) != len(faces) or not is_b.any() or is_b.all():
             is_b = cut_segment(self.automatic.mesh, faces, edit.face_a, edit.face_b)
-        self.known_cuts[edit, digest] = is_b
+        self._divided = key, is_b
+        return faces, KnownCut(digest, is_b)
+
+    def _cut(self, edit: Cut) -> Change:
+        faces, cut = self.divide(edit)
+        self.known_cuts[edit, cut.segment_digest] = is_b = cut.is_b
         is_inside = np.zeros(self.automatic.mesh.n_faces, dtype=bool)
         is_inside[faces[is_b]] = True
         self._refine(is_inside)
         moves = np.flatnonzero(np.bincount(self.atoms.face_atom[faces[is_b]]))
-        return dataclasses.replace(self._move(moves, None), cut=KnownCut(digest, is_b))
+        return dataclasses.replace(self._move(moves, None), cut=cut)
 
     def _move(self, moves: IntArray, target: int | None) -> Change:
         """Put atoms into a segment, a new one if None. A name is not lost with the last of its faces."""

@@ -277,6 +277,23 @@ class Session:
         """
         return self.do(Cut(face_a, face_b))
 
+    def preview_cut(self, face_a: int, face_b: int) -> IntArray:
+        """What `cut` would make a new segment; nothing changes, and the same cut is quick then.
+
+        Returns
+        -------
+        faces : (n,) int
+            Ascending; ``face_b`` is one of them.
+
+        Raises
+        ------
+        EditError
+            The faces are in different segments.
+        """
+        with self._lock:
+            faces, cut = self._partition.divide(Cut(face_a, face_b))
+        return faces[cut.is_b]
+
     def do(self, edit: Edit) -> Step:
         """Do an edit made elsewhere; what was undone before is forgotten."""
         if not isinstance(edit, (Merge, Split, Relabel, Cut)):

@@ -11,9 +11,12 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
+import numpy as np
+
 from scenewidget.editing.edits import Edit, EditError, Relabel
 from scenewidget.editing.session import Event, Session, Step
 from scenewidget.editing.vocabulary import NYU40, quick_names
+from scenewidget.engine.mesh import IntArray
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.widget.keeper import Keeper
@@ -94,6 +97,8 @@ class Editor:
                 self._keeper.choose(str(message.get("notice")), str(message.get("action")))
             except (OSError, ValueError) as error:  # of the file; told, and nothing has changed
                 self._view.error = str(error)
+        elif kind == "preview_cut":
+            self._preview_cut(message)
         if kind not in KINDS:
             return
         try:
@@ -143,6 +148,22 @@ class Editor:
             session.cut(message["face_a"], message["face_b"])
         else:
             session.relabel(message["face"], message["name"])
+
+    def _preview_cut(self, message: dict[str, Any]) -> None:
+        """Tell the browser what a cut would divide off; nothing, if it can't be done."""
+        faces: IntArray = np.zeros(0, np.int64)
+        try:
+            if self.session is not None and message["revision"] >= self._first_revision:
+                faces = self.session.preview_cut(message["face_a"], message["face_b"])
+        except EditError:
+            pass  # told once a person asks for the cut
+        finally:
+            first, last = (int(faces[0]), int(faces[-1])) if len(faces) else (0, -1)
+            is_in = np.zeros(last - first + 1, bool)
+            is_in[faces - first] = True
+            bits = np.packbits(is_in, bitorder="little").tobytes()
+            answer = {"kind": "cut_preview", "request": message.get("request"), "first": first}
+            self._view.send(answer, [bits])
 
     def _save(self) -> None:
         if self.session is None:

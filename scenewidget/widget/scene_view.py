@@ -99,6 +99,10 @@ Not counted as edits, and possible in either mode:
     The Save button or Ctrl + S.
 ``{"kind": "choose", "notice": key, "action": action}``
     A button of a notice.
+``{"kind": "preview_cut", "face_a": 12, "face_b": 40, "revision": 3, "request": "a1"}``
+    What would a cut divide off? Only if ``editable``. To be answered by
+    ``view.send({"kind": "cut_preview", "request": "a1", "first": 30}, [bits])``, a bit for each face from
+    the first one on, the lowest bit of a byte first; without any, there is nothing to show.
 
 If ``editable``, each also has ``client`` and ``number``: the browser shows the edit at once and goes on
 doing so, on top of whatever segments come, until `answer` says that the message has been dealt with. So

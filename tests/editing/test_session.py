@@ -444,3 +444,17 @@ def test_cut_needs_both_seeds_on_their_sides():
     labels = session.segmentation.labels
     assert session.segmentation.n_segments == 2
     assert labels[0] != labels[190]
+
+
+def test_the_preview_of_a_cut_is_what_the_cut_then_does():
+    session = box_session()
+    session.merge([40, 70, 100, 130, 170], 0)
+    before = session.segmentation.labels
+    faces = session.preview_cut(0, 190)
+    assert session.segmentation.labels is before
+    assert len(session.history) == 1
+    session.cut(0, 190)
+    labels = session.segmentation.labels
+    np.testing.assert_array_equal(faces, np.flatnonzero(labels == labels[190]))
+    with pytest.raises(EditError, match="different segments"):
+        session.preview_cut(0, 190)

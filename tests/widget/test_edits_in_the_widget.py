@@ -169,3 +169,19 @@ def test_a_vocabulary_given_is_that_of_a_restored_session_too(mesh):
     with pytest.raises(ValueError, match="'nyu40', 'scannet20' or a list"):
         sw.SceneWidget(mesh, SMALL, vocabulary="coco")
     second.session.close()
+
+
+def test_the_preview_of_a_cut_crosses_as_bits(editor, monkeypatch):
+    answers = []
+    monkeypatch.setattr(editor._view, "send", lambda content, buffers: answers.append((content, *buffers)))
+    labels = editor.session.segmentation.labels
+    a, b = (int(face) for face in np.flatnonzero(labels == 0)[[0, -1]])
+    send(editor, "preview_cut", face_a=a, face_b=b, request="x1")
+    send(editor, "preview_cut", face_a=a, face_b=int(np.argmax(labels == 1)), request="x2")
+    send(editor, "preview_cut", face_a=a, face_b=b, request="x3", revision=-1)
+    assert [content["request"] for content, _ in answers] == ["x1", "x2", "x3"]
+    assert [bits for _, bits in answers[1:]] == [b"", b""]
+    content, bits = answers[0]
+    faces = content["first"] + np.flatnonzero(np.unpackbits(np.frombuffer(bits, np.uint8), bitorder="little"))
+    np.testing.assert_array_equal(faces, editor.session.preview_cut(a, b))
+    assert (editor.session.edits, editor._view.error) == ([], "")

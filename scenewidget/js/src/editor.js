@@ -183,8 +183,8 @@ function moved({ atomSegment, names }, moves, target) {
   return { atomSegment: after, names: kept };
 }
 
-/** @param {Uint32Array} atomSegment */
-function highest(atomSegment) {
+/** Highest number of a segment, -1 if there is none. @param {Uint32Array} atomSegment */
+export function highest(atomSegment) {
   let most = -1;
   for (const segment of atomSegment) if (segment !== NONE && segment > most) most = segment;
   return most;

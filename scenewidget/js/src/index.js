@@ -1,6 +1,7 @@
 /** Connects the model that Python holds with a view of it on the page. */
 
 import { ASIDE, GONE_NOTICE, watchConnection } from "./connection.js";
+import { createCutting } from "./cutting.js";
 import { counted } from "./description.js";
 import { createEditing } from "./editing.js";
 import { faceValues } from "./errors.js";
@@ -97,7 +98,7 @@ function start({ model, el }, again, kept) {
       const picked = pointing.picked();
       if (picked) editing.act(what, picked.face, picked.place);
     },
-    letGo: () => pointing.letGo(),
+    letGo: () => pointing.back(),
     setTool: (tool) => pointing.setTool(tool),
     finish: () => pointing.finish(),
     showAll: () => editing.hide(null),
@@ -167,7 +168,12 @@ function start({ model, el }, again, kept) {
   const labelling = new Labelling(model, view, preview);
   const around = { model, view, panel, labelling, signal };
   const linking = createLinking(around, (face) => pointing.follow(face));
-  const pointing = createPointing(around, (operation) => editing.edit(operation), linking.pointed);
+  const cutting = createCutting(around, () => take(new Set(/** @type {const} */ (["partition"]))));
+  const pointing = createPointing(
+    { ...around, cutting },
+    (operation) => editing.edit(operation),
+    linking.pointed,
+  );
   const editing = createEditing(around, {
     onEdit: () => take(new Set(/** @type {const} */ (["partition"]))),
     onHide: () => {

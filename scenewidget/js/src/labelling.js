@@ -1,13 +1,15 @@
 /** The segments as one page shows them: Python's, with the edits on top that it hasn't answered yet. */
 
 import { meanConfidence } from "./confidence.js";
+import { divided } from "./cutting.js";
 import { describeFace, segmentTitle } from "./description.js";
-import { canMerge, FINAL, NOTHING, pendingOf, replay } from "./editor.js";
+import { canMerge, FINAL, foresee, highest, NOTHING, pendingOf, replay } from "./editor.js";
 import { countSegments, makePartition, NONE } from "./partition.js";
 import { readArray } from "./wire.js";
 
 /** @typedef {import("./wire.js").Model} Model */
 /** @typedef {import("./viewer.js").Viewer} Viewer */
+/** @typedef {import("./partition.js").Tables} Tables */
 
 export class Labelling {
   /**
@@ -26,8 +28,12 @@ export class Labelling {
     this.shown = null;
     /** An edit that is being made: shown, but not told. @type {import("./editor.js").Edit | null} */
     this.sketch = null;
+    /** What a cut would divide off, shown as if it were done, while `under` are the segments. @type {{ under: Uint32Array, segment: number, nFaces: number, tables: Tables } | null} */
+    this.offcut = null;
     /** Whether something else is shown for the moment. */
     this.isPreview = false;
+    /** @type {Tables | null} */
+    this.tables = null;
   }
 
   /** Take what the model holds and show it. */
@@ -36,7 +42,7 @@ export class Labelling {
     const faceAtom = /** @type {Uint32Array | null} */ (readArray(model, "face_atom"));
     const atomSegment = /** @type {Uint32Array | null} */ (readArray(model, "atom_segment"));
     if (!faceAtom || !atomSegment) {
-      this.ground = this.shown = null;
+      this.ground = this.shown = this.offcut = null;
       view.setPartition(null);
       return;
     }
@@ -55,9 +61,38 @@ export class Labelling {
       return;
     }
     const level = this.level === FINAL ? -1 : model.get("levels").indexOf(this.level);
-    const tables = { faceAtom, atomPart, segmentColors, atomConfidence };
-    const { atomSegment: segments } = this.shown.labels;
-    view.setPartition(makePartition({ ...tables, atomSegment: segments }, level, view.mesh));
+    const { atomSegment: under } = this.shown.labels;
+    this.tables = { faceAtom, atomSegment: under, atomPart, segmentColors, atomConfidence };
+    if (this.offcut?.under !== under) this.offcut = null;
+    view.setPartition(makePartition(this.offcut?.tables ?? this.tables, level, view.mesh));
+  }
+
+  /** Show some faces as a segment of their own until the segments change; none ends it. @param {number[]} faces */
+  cutOff(faces) {
+    const under = this.atomSegment;
+    const segment = under ? highest(under) + 1 : 0;
+    this.offcut =
+      under && this.tables && faces.length > 0
+        ? { under, segment, nFaces: faces.length, tables: divided(this.tables, faces, segment) }
+        : null;
+  }
+
+  /** Segments of the atoms as they are shown, but for an offcut. */
+  get atomSegment() {
+    return this.shown?.labels.atomSegment ?? null;
+  }
+
+  /** Whether two faces are in one segment. @param {number} first @param {number} second */
+  canCut(first, second) {
+    const edit = /** @type {const} */ ({ kind: "cut", face_a: first, face_b: second });
+    const labels = this.shown?.labels;
+    return (
+      !this.isPreview &&
+      !!this.ground &&
+      !!labels &&
+      first !== second &&
+      typeof foresee(this.ground, labels, edit) !== "string"
+    );
   }
 
   get level() {
@@ -65,7 +100,8 @@ export class Labelling {
   }
 
   get count() {
-    return this.view.partition ? countSegments(this.view.partition.atomSegment) : 0;
+    const shown = this.isPreview ? this.view.partition?.atomSegment : this.atomSegment;
+    return shown ? countSegments(shown) : 0;
   }
 
   /** Names by segment. @returns {Record<string, string>} */

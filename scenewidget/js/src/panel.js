@@ -22,7 +22,7 @@ import { createToolbox } from "./toolbox.js";
  * @property {(kind: "undo" | "redo") => void} walk  through the history
  * @property {(what: import("./keys.js").PartAction) => void} act  on the picked part
  * @property {(n: number) => void} goTo  undo or redo until so many edits are done
- * @property {() => void} letGo  of the picked part
+ * @property {() => void} letGo  of the picked part, or of the tool
  * @property {(tool: import("./gestures.js").Tool) => void} setTool
  * @property {() => void} finish  merge what the brush has gathered
  * @property {() => void} showAll
@@ -338,10 +338,14 @@ export function createPanel(host, actions) {
       toolbox.show(tool);
     },
 
-    /** Offer what can be done with the picked part. @param {string | null} text  what to say of it */
-    showPicked(text, { isStroke = false } = {}) {
-      for (const button of actButtons) button.hidden = isStroke;
-      finish.hidden = !isStroke;
+    /**
+     * Offer what can be done with the picked part, or with what a brush has gathered; or say how a tool goes.
+     * @param {string | null} text
+     * @param {"part" | "stroke" | "hint"} [kind]
+     */
+    showPicked(text, kind = "part") {
+      for (const button of actButtons) button.hidden = kind !== "part";
+      finish.hidden = kind !== "stroke";
       if (pickedText.textContent !== (text ?? "")) pickedText.textContent = text ?? "";
       if (text === null && pickedBar.contains(document.activeElement)) root.focus({ preventScroll: true });
       pickedBar.hidden = text === null;

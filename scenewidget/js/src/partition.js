@@ -23,12 +23,16 @@ export const NONE = 0xffffffff;
 /** @typedef {"segments" | "parts" | "confidence" | "normals" | "scan" | "shaded" | "values" | "errors"} ColorBy */
 
 /**
- * @param {object} arrays
- * @param {Uint32Array} arrays.faceAtom
- * @param {Uint32Array} arrays.atomSegment
- * @param {Uint32Array | null} arrays.atomPart  levels one after another
- * @param {Uint8Array | null} arrays.segmentColors
- * @param {Uint16Array | null} [arrays.atomConfidence]
+ * @typedef {object} Tables  what Python sends
+ * @property {Uint32Array} faceAtom
+ * @property {Uint32Array} atomSegment
+ * @property {Uint32Array | null} atomPart  levels one after another
+ * @property {Uint8Array | null} segmentColors
+ * @property {Uint16Array | null} [atomConfidence]
+ */
+
+/**
+ * @param {Tables} arrays
  * @param {number} level  index of the level; -1 = the segments as they are
  * @param {{ vertices: Float32Array, faces: Uint32Array } | null} [mesh]  to measure areas on
  * @returns {Partition}

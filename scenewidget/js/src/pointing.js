@@ -1,5 +1,6 @@
 /** The pointer on the picture: what it is on, what is picked, and what its movements do. */
 
+import { counted, segmentTitle } from "./description.js";
 import { FINAL } from "./editor.js";
 import { IDLE, step } from "./gestures.js";
 import { NONE } from "./partition.js";
@@ -19,11 +20,12 @@ const IS_MAC = /mac/i.test(globalThis.navigator?.platform ?? "");
  * @param {import("./viewer.js").Viewer} around.view
  * @param {ReturnType<typeof import("./panel.js").createPanel>} around.panel
  * @param {import("./labelling.js").Labelling} around.labelling
+ * @param {ReturnType<typeof import("./cutting.js").createCutting>} around.cutting
  * @param {AbortSignal} around.signal
  * @param {(edit: import("./editor.js").Edit) => void} edit
  * @param {(face: number | null, at: Vec3 | null) => void} onPoint  the pointer is on another face, or on none
  */
-export function createPointing({ model, view, panel, labelling, signal }, edit, onPoint) {
+export function createPointing({ model, view, panel, labelling, cutting, signal }, edit, onPoint) {
   const { root, canvas } = panel;
   /** Where the pointer is; null when it is elsewhere. @type {Place | null} */
   let pointer = null;
@@ -66,12 +68,16 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
     const part = face === null ? NONE : view.partOf(face);
     const isMerge = from && face !== null && tool === "merge" && !stroke;
     const target = isMerge && labelling.isTarget(from.face, face) ? view.segmentOf(face) : NONE;
-    const lit = face === null && listed !== null ? listed : target;
+    const isCut = from !== null && tool === "cut" && !stroke;
+    if (!isCut) cutting.aim(null, null);
+    else if (!view.isMoving && isPointing) cutting.aim(from.face, face);
+    const divided = isCut ? (labelling.offcut?.segment ?? from.segment) : NONE;
+    const lit = face === null && listed !== null ? listed : isCut ? divided : target;
     const offered = proposal && !from ? view.partOf(proposal.face) : NONE;
     const goal = proposal && !from && proposal.onto >= 0 ? view.segmentOf(proposal.onto) : NONE;
     view.setLook({
       hovered: from ? NONE : part,
-      picked: from ? from.part : offered,
+      picked: isCut ? NONE : from ? from.part : offered,
       target: lit === NONE ? goal : lit,
     });
     panel.list.mark(face === null ? listed : view.segmentOf(face));
@@ -84,11 +90,20 @@ export function createPointing({ model, view, panel, labelling, signal }, edit, 
     if (stroke) {
       const n = stroke.gathered.length;
       const what = n === 0 ? "gather parts for" : `${n} ${n === 1 ? "part" : "parts"} onto`;
-      panel.showPicked(`Brush: ${what} ${labelling.titleOf(stroke.onto)}`, { isStroke: true });
-    } else {
-      const next = tool === "cut" ? "click the other side of the cut" : "click what to merge it with";
-      panel.showPicked(picked ? `${labelling.titleOf(picked)}: ${next}` : null);
-    }
+      panel.showPicked(`Brush: ${what} ${labelling.titleOf(stroke.onto)}`, "stroke");
+    } else if (tool === "cut") panel.showPicked(cutHint(picked), "hint");
+    else if (tool === "brush")
+      panel.showPicked("Brush: drag over parts to gather them onto the first", "hint");
+    else panel.showPicked(picked && `${labelling.titleOf(picked)}: click what to merge it with`);
+  }
+
+  /** What to do next with the cut tool. @param {Hit | null} picked  the first point */
+  function cutHint(picked) {
+    if (!picked) return "Cut: click or drag from one side of a segment to the other";
+    const title = segmentTitle(picked.segment, labelling.names);
+    const { offcut } = labelling;
+    if (offcut) return `${title}: a click here cuts ${counted(offcut.nFaces, "face")} off`;
+    return `${title}: click the other side of the cut`;
   }
 
   /** The line from the part being moved to the pointer. @param {Place | null} [tip] */

@@ -19,17 +19,23 @@ export function createRubber() {
   return {
     element: svg,
 
-    /** @param {Place | null} from @param {Place | null} to  either is null: nothing @param {boolean} isOnTarget */
+    /**
+     * @param {Place | null} from  null: nothing
+     * @param {Place | null} to  null: where it begins stays marked
+     * @param {boolean} isOnTarget
+     */
     show(from, to, isOnTarget) {
-      svg.style.display = from && to ? "" : "none";
-      if (!from || !to) return;
+      svg.style.display = from ? "" : "none";
+      for (const node of [...lines, ends[1]]) node.style.display = to ? "" : "none";
+      if (!from) return;
       svg.classList.toggle("sw-rubber-held", isOnTarget);
       for (const line of lines) {
-        for (const [name, value] of Object.entries({ x1: from.x, y1: from.y, x2: to.x, y2: to.y })) {
+        const { x, y } = to ?? from;
+        for (const [name, value] of Object.entries({ x1: from.x, y1: from.y, x2: x, y2: y })) {
           line.setAttribute(name, String(value));
         }
       }
-      [from, to].forEach((place, i) => {
+      [from, to ?? from].forEach((place, i) => {
         ends[i].setAttribute("cx", String(place.x));
         ends[i].setAttribute("cy", String(place.y));
       });

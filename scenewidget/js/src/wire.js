@@ -78,10 +78,11 @@ export function readArray(model, name) {
 }
 
 /**
+ * Where bytes are, in whatever form a host delivers them.
  * @param {DataView | ArrayBufferView | ArrayBuffer | string} bytes
  * @returns {{ buffer: ArrayBuffer, byteOffset: number, byteLength: number }}
  */
-function asBytes(bytes) {
+export function asBytes(bytes) {
   if (typeof bytes === "string") {
     const text = atob(bytes);
     const array = new Uint8Array(text.length);

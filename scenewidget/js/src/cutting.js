@@ -1,0 +1,137 @@
+/**
+ * What a cut between two points would divide off: asked of Python while the pointer rests, shown as if it were done.
+ *
+ * Only the newest pair of points counts. One question is under way at a time, so a slow answer holds up the
+ * cut itself by no more than that.
+ */
+
+import { on } from "./reading.js";
+import { asBytes } from "./wire.js";
+
+const REST_MS = 120;
+
+/** @typedef {{ face_a: number, face_b: number }} Pair  the second one is on the side that is cut off */
+
+/**
+ * @param {object} around
+ * @param {import("./wire.js").Model} around.model
+ * @param {import("./labelling.js").Labelling} around.labelling
+ * @param {AbortSignal} around.signal
+ * @param {() => void} onChange  something else is to be shown
+ */
+export function createCutting({ model, labelling, signal }, onChange) {
+  const me = Math.random().toString(36).slice(2, 8);
+  let n = 0;
+  /** @type {Pair | null} */
+  let wanted = null;
+  /** Segments of the atoms that the pair is wanted for. @type {Uint32Array | null} */
+  let under = null;
+  /** @type {{ request: string, pair: Pair, under: Uint32Array | null } | null} */
+  let asked = null;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  let timer;
+
+  /** @param {number[]} faces */
+  function show(faces) {
+    if (faces.length === 0 && labelling.offcut === null) return;
+    labelling.cutOff(faces);
+    onChange();
+  }
+
+  function ask() {
+    if (!wanted || asked || labelling.pending.operations.length > 0) return;
+    asked = { request: `${me}${++n}`, pair: wanted, under };
+    model.send({
+      ...{ kind: "preview_cut", request: asked.request, ...wanted },
+      revision: model.get("revision"),
+    });
+  }
+
+  const onMessage = (/** @type {any} */ message, /** @type {any[]} */ buffers) => {
+    if (message?.kind !== "cut_preview" || !asked || message.request !== asked.request) return;
+    const { pair, under: before } = asked;
+    asked = null;
+    const isOf = pair.face_a === wanted?.face_a && before === labelling.atomSegment;
+    if (isOf) show(facesOf(message.first, asBytes(buffers[0])));
+    if (!isSame(pair, wanted)) ask();
+  };
+  on(model, "msg:custom", onMessage, signal);
+  signal.addEventListener("abort", () => clearTimeout(timer));
+
+  return {
+    /**
+     * These are the points of the cut now; the second is null while it is nowhere, both if there is no cut.
+     * @param {number | null} first  face
+     * @param {number | null} second
+     */
+    aim(first, second) {
+      if (labelling.pending.operations.some(({ kind }) => kind === "cut")) return; // shown until it is done
+      const isPair = first !== null && second !== null && labelling.canCut(first, second);
+      const next = isPair ? { face_a: first, face_b: second } : null;
+      if (isSame(next, wanted) && under === labelling.atomSegment && first !== null) return;
+      [wanted, under] = [next, labelling.atomSegment];
+      clearTimeout(timer);
+      if (first === null) show([]);
+      else timer = setTimeout(wanted ? ask : () => show([]), REST_MS);
+    },
+  };
+}
+
+/** @param {Pair | null} a @param {Pair | null} b */
+function isSame(a, b) {
+  return a?.face_a === b?.face_a && a?.face_b === b?.face_b;
+}
+
+/**
+ * Faces out of a bit for each.
+ * @param {number} first
+ * @param {{ buffer: ArrayBuffer, byteOffset: number, byteLength: number }} bits
+ * @returns {number[]}
+ */
+export function facesOf(first, { buffer, byteOffset, byteLength }) {
+  const bytes = new Uint8Array(buffer, byteOffset, byteLength);
+  const faces = [];
+  for (let i = 0; i < 8 * byteLength; i++) if ((bytes[i >> 3] >> (i & 7)) & 1) faces.push(first + i);
+  return faces;
+}
+
+/**
+ * Tables in which some faces are a segment of their own; atoms that are only partly in it become two.
+ * @param {import("./partition.js").Tables} tables
+ * @param {number[]} faces
+ * @param {number} segment
+ * @returns {import("./partition.js").Tables}
+ */
+export function divided(tables, faces, segment) {
+  const faceAtom = tables.faceAtom.slice();
+  const nBefore = tables.atomSegment.length;
+  /** @type {Map<number, number>} */
+  const twins = new Map();
+  for (const face of faces) {
+    const atom = faceAtom[face];
+    const twin = twins.get(atom) ?? nBefore + twins.size;
+    twins.set(atom, twin);
+    faceAtom[face] = twin;
+  }
+  const parents = [...twins.keys()];
+  /** @template {Uint32Array | Uint16Array} Row @param {Row} row @returns {Row} */
+  const grown = (row) => {
+    const next = /** @type {Row} */ (new /** @type {any} */ (row.constructor)(nBefore + parents.length));
+    next.set(row);
+    next.set(
+      parents.map((atom) => row[atom]),
+      nBefore,
+    );
+    return next;
+  };
+  const rows = Array.from({ length: (tables.atomPart?.length ?? 0) / nBefore }, (_, level) =>
+    grown(/** @type {Uint32Array} */ (tables.atomPart).subarray(level * nBefore, (level + 1) * nBefore)),
+  );
+  return {
+    ...tables,
+    faceAtom,
+    atomSegment: grown(tables.atomSegment).fill(segment, nBefore),
+    atomPart: tables.atomPart && Uint32Array.from(rows.flatMap((row) => [...row])),
+    atomConfidence: tables.atomConfidence ? grown(tables.atomConfidence) : null,
+  };
+}
