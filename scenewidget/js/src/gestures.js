@@ -8,10 +8,14 @@
  * Tools: "merge" puts the part that a drag starts on onto the part it ends on; "brush" puts all parts that it
  * passes over onto the one it starts on; "cut" divides the segment between the ends. Instead of a drag, the
  * ends can be clicked one after the other.
+ *
+ * A finger orbits in both modes, two pan and zoom; a tap is a click, a long press a right click. With the brush
+ * in hand one finger paints. A pen is a mouse whose long press is a right click.
  */
 
 /** Pixels of travel up to which a press and release is a click. */
 export const CLICK_TRAVEL = 4;
+const TAP_TRAVEL = 10; // a finger is less steady
 
 /** Parts that one stroke gathers. */
 const MOST_GATHERED = 5000;
@@ -23,8 +27,8 @@ const MOST_GATHERED = 5000;
 
 /**
  * @typedef {object} PointerEventLike
- * @property {"down" | "move" | "up" | "cancel" | "choose" | "finish"} type  choose: what a click does, by
- *   key; finish: merge what the brush has gathered
+ * @property {"down" | "move" | "up" | "cancel" | "hold" | "choose" | "finish"} type  hold: the pointer has been
+ *   down in its place for a while; choose: what a click does, by key; finish: merge what the brush has gathered
  * @property {number} id
  * @property {number} x
  * @property {number} y
@@ -38,8 +42,8 @@ const MOST_GATHERED = 5000;
 
 /**
  * @typedef {object} Gesture
- * @property {"idle" | "orbit" | "pan" | "pinch" | "press" | "link" | "aside" | "dab" | "brush"} phase  press, link:
- *   left button on a part before and after leaving its place; dab, brush: the same with the brush; aside: right
+ * @property {"idle" | "orbit" | "pan" | "pinch" | "tap" | "press" | "link" | "aside" | "dab" | "brush"} phase  tap: a finger
+ *   before it leaves its place; press, link: left button on a part before and after leaving its place; dab, brush: the same with the brush; aside: right
  *   button before it moves
  * @property {Record<number, Place>} pointers  those that are down, where they were last
  * @property {Place} start
@@ -78,7 +82,10 @@ export function step(gesture, event, mode, tool = "merge") {
     case "move":
       return move(gesture, event);
     case "up":
-      return release(gesture, event, tool);
+      return release(gesture, event, mode, tool);
+    case "hold":
+      if (mode !== "edit" || !gesture.from || !["tap", "press"].includes(gesture.phase)) return [gesture, []];
+      return [IDLE, [{ kind: "split", face: gesture.from.face }]];
     case "choose":
       if (gesture.phase !== "idle" || !event.hit) return [gesture, []];
       if (tool !== "brush") return choose(gesture, event.hit, tool);
@@ -108,6 +115,7 @@ function press(gesture, event, mode, tool) {
   if (event.button === 1) return { ...next, phase: "pan" };
   if (isEdit && event.hit && !event.shift && (tool === "brush" || event.brush))
     return { ...next, phase: "dab", picked: null, stroke: gather(gesture.stroke, event.hit) };
+  if (event.isTouch) return { ...next, phase: "tap" };
   if (isEdit) return { ...next, stroke: null, phase: event.shift ? "orbit" : "press" };
   return { ...next, phase: event.shift && mode === "navigate" ? "pan" : "orbit" };
 }
@@ -122,13 +130,15 @@ function move(gesture, event) {
   if (!last) return [gesture, []];
   const [dx, dy] = [event.x - last.x, event.y - last.y];
   const next = { ...gesture, pointers: { ...gesture.pointers, [event.id]: { x: event.x, y: event.y } } };
-  const hasLeft = travel(gesture.start, event) >= CLICK_TRAVEL;
+  const hasLeft = travel(gesture.start, event) >= (event.isTouch ? TAP_TRAVEL : CLICK_TRAVEL);
   switch (gesture.phase) {
     case "orbit":
     case "pan":
       return [next, [{ kind: gesture.phase, dx, dy }]];
     case "pinch":
       return [next, pinch(gesture.pointers, next.pointers)];
+    case "tap":
+      return hasLeft ? begin(next, event, "orbit") : [next, []];
     case "press":
       return [hasLeft ? { ...next, phase: "link", picked: null } : next, []];
     case "dab":
@@ -142,23 +152,31 @@ function move(gesture, event) {
         [],
       ];
     case "aside":
-      if (!hasLeft) return [next, []];
-      return [
-        { ...next, phase: "pan" },
-        [{ kind: "pan", dx: event.x - gesture.start.x, dy: event.y - gesture.start.y }],
-      ];
+      return hasLeft ? begin(next, event, "pan") : [next, []];
     default:
       return [next, []];
   }
 }
 
 /**
+ * A movement that begins once the pointer has left its place, from there.
+ * @param {Gesture} gesture
+ * @param {Place} place
+ * @param {"orbit" | "pan"} kind
+ * @returns {[Gesture, Action[]]}
+ */
+function begin(gesture, { x, y }, kind) {
+  return [{ ...gesture, phase: kind }, [{ kind, dx: x - gesture.start.x, dy: y - gesture.start.y }]];
+}
+
+/**
  * @param {Gesture} gesture
  * @param {PointerEventLike} event
+ * @param {Mode} mode
  * @param {Tool} tool
  * @returns {[Gesture, Action[]]}
  */
-function release(gesture, event, tool) {
+function release(gesture, event, mode, tool) {
   if (!gesture.pointers[event.id]) return [gesture, []];
   const { [event.id]: _, ...pointers } = gesture.pointers;
   if (Object.keys(pointers).length > 0) {
@@ -170,10 +188,11 @@ function release(gesture, event, tool) {
   if (phase === "link" && from) {
     return [IDLE, to ? joined(from, to, tool) : []];
   }
-  if (phase === "press" && from) return choose(gesture, from, tool);
+  if (from && (phase === "press" || (phase === "tap" && mode === "edit"))) return choose(gesture, from, tool);
   if (phase === "brush") return [IDLE, event.isOutside ? [] : merged(gesture.stroke)];
   if (phase === "aside" && from) return [IDLE, [{ kind: "split", face: from.face }]];
-  if (phase === "orbit" && travel(gesture.start, event) < CLICK_TRAVEL) {
+  const isClick = phase === "orbit" && !event.isTouch && travel(gesture.start, event) < CLICK_TRAVEL;
+  if (isClick || phase === "tap") {
     return [IDLE, from ? [{ kind: "click", face: from.face }] : []];
   }
   return [rest, []];

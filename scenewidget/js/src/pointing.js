@@ -11,6 +11,7 @@ import { NONE } from "./partition.js";
 /** @typedef {import("./gestures.js").PointerEventLike} PointerEventLike */
 
 const SCROLL_PAUSE_MS = 200;
+const HOLD_MS = 500; // a long press
 const BRUSH_STEP = 5; // pixels: a fast brush misses nothing that is wider
 const IS_MAC = /mac/i.test(globalThis.navigator?.platform ?? "");
 
@@ -57,7 +58,7 @@ export function createPointing({ model, view, panel, labelling, cutting, signal 
   /** Show what lies under the pointer. @param {boolean} [isForced]  even if it is the same face as before */
   function point(isForced = false) {
     const place = aimed();
-    const isPointing = ["idle", "press", "link", "dab", "brush"].includes(gesture.phase);
+    const isPointing = ["idle", "tap", "press", "link", "dab", "brush"].includes(gesture.phase);
     const own = place && isPointing ? view.faceAt(place) : null;
     const face = own ?? (place || view.isMoving ? null : linked);
     if (face === hoveredFace && !isForced) return;
@@ -236,18 +237,24 @@ export function createPointing({ model, view, panel, labelling, cutting, signal 
     const page = /** @type {Document | ShadowRoot} */ (root.getRootNode());
     return page.elementFromPoint(event.clientX, event.clientY) === canvas;
   };
+  let holdTimer = 0;
+  const hold = () => feed({ type: "hold", id: -1, x: 0, y: 0 });
   /** @param {PointerEventLike["type"]} type */
   const onPointer = (type) => (/** @type {PointerEvent} */ event) => {
+    const isTouch = event.pointerType === "touch";
     const place = placeOf(event);
     const isOutside = type === "cancel" || (gesture.phase !== "idle" && !isOnCanvas(event));
     const last = pointer;
-    pointer = isOutside ? null : place;
+    const isTap = type === "up" && gesture.phase === "tap";
+    pointer = isOutside || (isTouch && type === "up" && !isTap) ? null : place;
+    if (type !== "move") clearTimeout(holdTimer);
     if (isKeyboard) showAim(false);
     if (type === "down") {
       canvas.setPointerCapture(event.pointerId);
       panel.naming.close();
       root.focus({ preventScroll: true });
       points.press = view.pointAt(place);
+      if (event.pointerType !== "mouse") holdTimer = window.setTimeout(hold, HOLD_MS);
     }
     if (type === "move" && gesture.phase === "idle") {
       point();
@@ -257,7 +264,7 @@ export function createPointing({ model, view, panel, labelling, cutting, signal 
     const hit = isOutside ? null : view.hitAt(place);
     const { pointerId: id, button, shiftKey: shift } = event;
     const brush = event.metaKey || (event.ctrlKey && !IS_MAC); // there, Ctrl makes a right click
-    const kind = { id, button, shift, brush, isOutside, isTouch: event.pointerType === "touch" };
+    const kind = { id, button, shift, brush, isOutside, isTouch };
     if (type === "move" && gesture.stroke && last && !isOutside) {
       for (const between of placesBetween(last, place))
         feed({ type, ...kind, ...between, hit: view.hitAt(between) });
@@ -274,9 +281,10 @@ export function createPointing({ model, view, panel, labelling, cutting, signal 
   on("pointerup", onPointer("up"));
   on("pointercancel", onPointer("cancel"));
   on("lostpointercapture", () => {
-    if (["press", "link", "aside", "dab", "brush"].includes(gesture.phase)) letGo();
+    if (["tap", "press", "link", "aside", "dab", "brush"].includes(gesture.phase)) letGo();
   });
-  on("pointerleave", () => {
+  on("pointerleave", (/** @type {PointerEvent} */ event) => {
+    if (event.pointerType === "touch") return; // what was tapped stays pointed at
     pointer = null;
     point();
     stretch();
@@ -305,6 +313,7 @@ export function createPointing({ model, view, panel, labelling, cutting, signal 
   };
   window.addEventListener("wheel", onWheel, { signal, passive: false, capture: true });
   root.addEventListener("focusout", () => showAim(false), { signal });
+  signal.addEventListener("abort", () => clearTimeout(holdTimer));
 
   return {
     point,

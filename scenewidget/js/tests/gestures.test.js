@@ -258,3 +258,81 @@ test("the cut tool tells two points, by a drag or by two clicks", () => {
   );
   assert.deepEqual(same.actions.slice(1), []);
 });
+
+const finger = { isTouch: true };
+
+test("a finger orbits in both modes once it has left its place", () => {
+  for (const mode of /** @type {const} */ (["navigate", "edit"])) {
+    const { actions, gesture } = play(
+      [
+        { type: "down", hit: chair, ...finger },
+        { type: "move", x: 6, ...finger },
+        { type: "move", x: 12, ...finger },
+        { type: "move", x: 15, hit: table, ...finger },
+        { type: "up", x: 3, hit: table, ...finger },
+      ],
+      mode,
+    );
+    assert.deepEqual(actions, [
+      { kind: "orbit", dx: 12, dy: 0 },
+      { kind: "orbit", dx: 3, dy: 0 },
+    ]);
+    assert.deepEqual(gesture, IDLE);
+  }
+});
+
+test("a tap points while looking; while editing a tap, then another, merges or cuts", () => {
+  const tap = (/** @type {typeof chair | null} */ hit) =>
+    /** @type {const} */ ([
+      { type: "down", hit, ...finger },
+      { type: "move", x: 6, hit, ...finger },
+      { type: "up", x: 6, hit, ...finger },
+    ]);
+  assert.deepEqual(play([...tap(chair), ...tap(table)], "navigate").actions, [
+    { kind: "click", face: 10 },
+    { kind: "click", face: 20 },
+  ]);
+  assert.deepEqual(play([...tap(chair), ...tap(table)]).actions[1], { kind: "merge", face: 10, onto: 20 });
+  assert.deepEqual(play([...tap(chair), ...tap(table)], "edit", "cut").actions[1], {
+    ...{ kind: "cut", face: 10, onto: 20 },
+  });
+  assert.deepEqual(play([...tap(chair), ...tap(null)]).gesture, IDLE);
+});
+
+test("a part that was tapped stays picked while fingers turn, pan and zoom", () => {
+  const { gesture, actions } = play([
+    { type: "down", hit: chair, ...finger },
+    { type: "up", hit: chair, ...finger },
+    { type: "down", id: 2, hit: table, ...finger },
+    { type: "down", id: 3, x: 100, hit: lamp, ...finger },
+    { type: "move", id: 3, x: 150, hit: lamp, ...finger },
+    { type: "up", id: 3, x: 150, hit: lamp, ...finger },
+    { type: "up", id: 2, hit: table, ...finger },
+  ]);
+  assert.deepEqual(gesture.picked, chair);
+  assert.deepEqual(new Set(actions.map(({ kind }) => kind)), new Set(["click", "pan", "zoom"]));
+});
+
+test("a long press splits, and its release does nothing more", () => {
+  /** @type {any[]} */
+  const long = [
+    { type: "down", hit: chair },
+    { type: "hold" },
+    { type: "move", x: 30 },
+    { type: "up", hit: chair },
+  ];
+  const split = [{ kind: "split", face: 10 }];
+  assert.deepEqual(play(long), { gesture: IDLE, actions: split }); // of a pen
+  assert.deepEqual(play(long.map((event) => ({ ...event, ...finger }))), { gesture: IDLE, actions: split });
+  const moved = [long[0], { type: "move", x: 30, ...finger }, ...long.slice(1)];
+  assert.deepEqual(play(moved.map((event) => ({ ...event, ...finger }))).actions.at(-1)?.kind, "orbit");
+  assert.deepEqual(play([{ ...long[0], ...finger }, long[1]], "navigate").actions, []);
+});
+
+test("with the brush in hand a finger paints, and a second one ends that", () => {
+  const painted = stroke.map((event) => ({ ...event, ...finger }));
+  const { actions } = play([...painted, { type: "up", hit: lamp, ...finger }], "edit", "brush");
+  assert.deepEqual(actions, [{ kind: "merge", face: [20, 30], onto: 10 }]);
+  const two = play([...painted, { type: "down", id: 2, x: 90, hit: lamp, ...finger }], "edit", "brush");
+  assert.equal(two.gesture.phase, "pinch");
+});
