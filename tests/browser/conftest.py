@@ -10,6 +10,7 @@ import contextlib
 import io
 import json
 import os
+import random
 import secrets
 import shutil
 import socket
@@ -38,6 +39,7 @@ FLAGS = [
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--ignore-gpu-blocklist",
+    "--disable-gpu-compositing",  # of the page: without a graphics card, that costs more than WebGL itself
 ]
 NO_NEWS = {"@jupyterlab/apputils-extension:notification": {"fetchNews": "false", "checkForUpdates": False}}
 PATIENCE_SECONDS = 90  # a wait ends as soon as it can, but a busy machine can be slow
@@ -157,9 +159,7 @@ def serve(
 
     It is up once it answers at ``path``; what it prints goes to a file in ``home``.
     """
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     url, log = f"http://127.0.0.1:{port}", home / "log.txt"
     with log.open("w") as output:
         process = subprocess.Popen(
@@ -176,10 +176,19 @@ def serve(
     finally:
         process.terminate()
         try:
-            process.wait(10)
+            process.wait(PATIENCE_SECONDS)  # it ends its kernels
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+
+
+def free_port() -> int:
+    """A port for a server, none of those that the system hands out by itself, as to kernels meanwhile."""
+    while True:
+        port = random.randrange(20_000, 30_000)
+        with socket.socket() as probe, contextlib.suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
 
 
 @pytest.fixture(scope="session")
@@ -303,10 +312,14 @@ class Notebook:
 
     def wait_for(self, expression: str, value: object) -> None:
         """Wait until a Python expression has a value in the kernel."""
-        deadline = time.monotonic() + PATIENCE_SECONDS
-        while (seen := self.evaluate(expression)) != repr(value):
-            assert time.monotonic() < deadline, f"{expression} is still {seen}, not {value!r}"
-            self.page.wait_for_timeout(50)
+        seen = ""
+
+        def holds() -> bool:
+            nonlocal seen
+            seen = self.evaluate(expression)
+            return seen == repr(value)
+
+        until(self.page, holds, lambda: f"{expression} is still {seen}, not {value!r}")
 
     def execute(self, code: str) -> None:
         """Run statements in the kernel, outside any cell."""
@@ -362,18 +375,25 @@ class View:
             "async n => { while (n-- > 0) await new Promise((drawn) => requestAnimationFrame(drawn)); }", n
         )
 
+    def wait_until_pointed(self) -> str:
+        """Wait until a part is under the pointer, and say which."""
+        self.page.wait_for_function("root => root.dataset.hovered !== ''", arg=self.root.element_handle())
+        return self.state("hovered")
+
     def size(self) -> tuple[float, float]:
         """Width and height of the picture."""
         box = self.root.locator("canvas").bounding_box()
         return box["width"], box["height"]
 
     def point(self, x: float, y: float) -> None:
-        """Move the pointer there."""
+        """Move the pointer there, once the picture stands still."""
+        self.settle()
         box = self.root.locator("canvas").bounding_box()
         self.page.mouse.move(box["x"] + x, box["y"] + y)
 
     def parts(self, step: int = 12) -> dict[str, tuple[float, float]]:
         """Parts that a pointer meets on a raster ("" is none), each with a place well inside."""
+        self.settle()
         return {part: tuple(place) for part, place in self.root.evaluate(PARTS, step).items()}
 
     def drag(
@@ -387,8 +407,24 @@ class View:
         self.page.mouse.up(button=button)
 
     def pixels(self) -> np.ndarray:
-        """(height, width, 3) uint8 what a person sees of it, toolbar included."""
+        """(height, width, 3) uint8 what a person sees of it at rest, toolbar included."""
+        self.settle()
         return np.asarray(Image.open(io.BytesIO(self.root.screenshot())).convert("RGB"))
+
+
+def until(
+    page: Any, holds: Callable[[], object], complaint: Callable[[], str] = lambda: "it never came to hold"
+) -> None:
+    """Wait until something holds that is seen from here only, as what pixels show."""
+    deadline = time.monotonic() + PATIENCE_SECONDS
+    while not holds():
+        assert time.monotonic() < deadline, complaint()
+        page.wait_for_timeout(50)
+
+
+def difference(one: np.ndarray, other: np.ndarray) -> float:
+    """Share of the pixels, between the bars, that are clearly different."""
+    return float((np.abs(one[60:-60].astype(int) - other[60:-60]) > 20).mean())
 
 
 def _answers(url: str) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from test_view import ROOM
+from cells import ROOM
 
 WIDGET = (
     ROOM
@@ -25,7 +25,6 @@ class Editor:
         self.view = book.view()
         self.root = self.view.root
         self.view.wait("busy", "false")
-        self.view.settle()
         self.n = int(self.view.state("segments"))
         self.root.get_by_role("button", name="Edit", exact=True).click()
         self.view.wait("mode", "edit")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 
 import pytest
-from test_view import ROOM
+from cells import ROOM
+from conftest import until
 
 COMPARE = (
     ROOM
@@ -45,7 +46,6 @@ def compared(notebook):
     views = [book.view(0), book.view(1)]
     for view in views:
         view.wait("busy", "false")
-        view.settle()
     yield book, *views
     assert book.errors == []
 
@@ -58,10 +58,6 @@ def test_turning_one_view_turns_the_other(compared):
         view.drag((width * 0.4, height * 0.5), (width * 0.6, height * 0.6))
         left.settle()
         right.settle()
-        book.page.wait_for_function(
-            "([a, b]) => a.dataset.moving === 'false' && b.dataset.moving === 'false'",
-            arg=[left.root.element_handle(), right.root.element_handle()],
-        )
         a, b = camera(book, 0), camera(book, 1)
         assert a["yaw"] == pytest.approx(b["yaw"])
         assert a["target"] == pytest.approx(b["target"])
@@ -73,8 +69,8 @@ def test_pointing_at_a_place_shows_it_in_the_other_view(compared):
     _, left, right = compared
     place = next(place for part, place in left.parts().items() if part)
     left.point(*place)
-    left.page.wait_for_function("root => root.dataset.hovered !== ''", arg=left.root.element_handle())
-    right.page.wait_for_function("root => root.dataset.hovered !== ''", arg=right.root.element_handle())
+    left.wait_until_pointed()
+    right.wait_until_pointed()
     assert right.root.locator(".sw-twin").is_visible()
     left.point(-20, 20)
     right.wait("hovered", "")
@@ -90,9 +86,12 @@ def test_disagreement_is_chosen_for_both_views_at_once(compared):
             arg=view.root.element_handle(),
         )
         view.root.get_by_text("Against the other").wait_for()
-    pixels = right.pixels().astype(int)
-    reddish = (pixels[..., 0] > 1.3 * pixels[..., 2]) & (pixels[..., 0] > 90)
-    assert reddish.mean() > 0.02  # half of every wall belongs to a segment without a partner
+    # half of every wall belongs to a segment without a partner
+    until(right.page, lambda: reddish(right.pixels().astype(int)).mean() > 0.02)
+
+
+def reddish(pixels):
+    return (pixels[..., 0] > 1.3 * pixels[..., 2]) & (pixels[..., 0] > 90)
 
 
 def test_errors_follow_an_edit(notebook):

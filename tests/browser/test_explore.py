@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from test_view import ROOM
+from cells import ROOM
 
 WIDGET = (
     ROOM
@@ -53,10 +53,11 @@ class Explorer:
         return eval(self.book.evaluate(expression))
 
     def rested(self):
-        """Wait until the picture shows the result."""
+        """Wait until the picture shows the result of what was set."""
+        self.page.wait_for_function("() => !document.querySelector('.swc').dataset.moving")
+        self.book.execute("w.wait()")
         self.view.wait("preview", "false")
         self.view.wait("busy", "false")
-        self.book.execute("w.wait()")
 
 
 @pytest.fixture
@@ -150,8 +151,6 @@ def test_keys_move_a_slider_and_only_the_last_value_is_computed(explorer):
     explorer.page.wait_for_function(
         "() => document.querySelector('[data-name=n_segments] input[type=number]').value === '10'"
     )
-    explorer.view.wait("busy", "false")
-    explorer.page.wait_for_function("() => document.querySelector('.swc').dataset.moving === ''")
     explorer.rested()
     assert explorer.python("(w.params.n_segments, w.params.k_range)") == (10, None)
 

@@ -8,9 +8,10 @@ import sys
 import textwrap
 
 import pytest
+from cells import LABELLED
 from conftest import Notebook, Server, View, serve
 from editing_page import WIDGET, Editor
-from test_view import LABELLED, colors
+from test_view import colors
 
 TELLING = """
 import ipywidgets

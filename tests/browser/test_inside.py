@@ -6,7 +6,7 @@ import json
 from contextlib import contextmanager
 
 import pytest
-from test_view import LABELLED
+from cells import LABELLED
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import View
+from conftest import View, until
 from PIL import Image
 
 from scenewidget.figures.raster import Camera
@@ -66,12 +66,13 @@ def figures_of(book, cell: int):
 
 
 def wait_until_drawn(book, figure) -> np.ndarray:
-    for _ in range(50):
-        picture = pixels(figure)
-        if is_drawn(picture):
-            return picture
-        book.page.wait_for_timeout(100)
-    return picture
+    until(book.page, lambda: is_drawn(pixels(figure)))
+    return pixels(figure)
+
+
+def changed(before: np.ndarray, after: np.ndarray) -> float:
+    """Share of the pixels that are clearly different."""
+    return float((np.abs(before.astype(int) - after) > 30).any(axis=2).mean())
 
 
 def look_at_everything(book, n_figures, n_views=0):
@@ -81,11 +82,12 @@ def look_at_everything(book, n_figures, n_views=0):
     for cell in cells:
         figures = figures_of(book, cell)
         for i in range(figures.count()):
-            assert is_drawn(wait_until_drawn(book, figures.nth(i))), f"cell {cell}, figure {i} is blank"
+            wait_until_drawn(book, figures.nth(i))
     cells = book.page.evaluate(CELLS_SHOWING, ["SceneWidget(", "SceneView("])
     assert len(cells) >= n_views
     for cell in cells:
-        assert is_drawn(scene_of(book, cell).pixels()), f"cell {cell}: the scene is blank"
+        scene = scene_of(book, cell)
+        until(book.page, lambda scene=scene: is_drawn(scene.pixels()))
 
 
 def scene_of(book, cell):
@@ -97,7 +99,6 @@ def scene_of(book, cell):
     view = View(book.page, root)
     view.wait("ready", "true")
     view.wait("busy", "false")
-    view.settle()
     return view
 
 
@@ -147,11 +148,8 @@ def test_the_knobs_of_notebook_10_change_picture_and_errors(run):
     told = title.text_content()
     slide(book, "k_range", "10 - 12")
     slide(book, "S", "5")
-    book.page.wait_for_function(
-        "([title, told]) => title.textContent !== told", arg=[title.element_handle(), told], timeout=60_000
-    )
-    book.page.wait_for_function(DONE)
-    assert (np.abs(before.astype(int) - wait_until_drawn(book, picture)) > 30).any(axis=2).mean() > 0.02
+    until(book.page, lambda: title.text_content() != told)
+    until(book.page, lambda: changed(before, pixels(picture)) > 0.02)
     assert book.errors == []
 
 
@@ -172,11 +170,9 @@ def test_turning_one_of_a_row_turns_all(notebook):
     book.page.mouse.move(x, y)
     book.page.mouse.down()
     book.page.mouse.move(x + 30, y + 70, steps=5)
-    book.page.wait_for_timeout(200)  # while the button is still down
-    after = [pixels(pictures.nth(i)) for i in range(2)]
+    for i in range(2):  # while the button is still down
+        until(book.page, lambda i=i: changed(before[i], pixels(pictures.nth(i))) > 0.05)
     book.page.mouse.up()
-    for old, new in zip(before, after, strict=True):
-        assert (np.abs(old.astype(int) - new) > 30).any(axis=2).mean() > 0.05
     assert book.errors == []
 
 
@@ -200,10 +196,10 @@ def test_the_explorer_follows_its_sliders_and_a_double_click(notebook):
     book.page.keyboard.type("7")
     book.page.keyboard.press("Enter")
     book.page.wait_for_function(
-        "() => document.querySelector('.scenewidget-figure').textContent.includes('φ₇')", timeout=10_000
+        "() => document.querySelector('.scenewidget-figure').textContent.includes('φ₇')"
     )
     assert book.evaluate("explorer.index") == "7"
-    assert np.abs(before.astype(int) - pixels(picture)).mean() > 5
+    until(book.page, lambda: np.abs(before.astype(int) - pixels(picture)).mean() > 5)
 
     book.page.locator(".widget-dropdown select").select_option("Heat from a point")
     book.page.wait_for_function(
@@ -222,6 +218,6 @@ def test_the_explorer_follows_its_sliders_and_a_double_click(notebook):
     np.testing.assert_allclose(clicked, middle + np.array([0.5, 0.5, 0.0]), atol=0.03)
     book.page.locator(".widget-toggle-buttons button").filter(has_text="uniform").click()
     book.page.wait_for_function(
-        "() => !document.querySelector('.scenewidget-figure').textContent.includes('m²')", timeout=10_000
+        "() => !document.querySelector('.scenewidget-figure').textContent.includes('m²')"
     )
     assert book.errors == []

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
+from cells import LABELLED, ROOM
+from conftest import difference, until
 from editing_page import WIDGET, Editor
-from test_view import LABELLED, ROOM, colors
+from test_view import colors
 
 COUNT_CONTEXTS = """() => {
     window.contexts = new Set();
@@ -17,11 +18,6 @@ COUNT_CONTEXTS = """() => {
     };
 }"""
 LIVING = "() => [...window.contexts].filter(context => !context.isContextLost()).length"
-
-
-def difference(one: np.ndarray, other: np.ndarray) -> float:
-    """Share of the pixels, between the bars, that are clearly different."""
-    return float((np.abs(one[60:-60].astype(int) - other[60:-60]) > 20).mean())
 
 
 @pytest.fixture
@@ -64,7 +60,6 @@ def test_more_views_than_the_browser_allows_are_drawn_when_they_are_looked_at(no
         root.evaluate("root => root.scrollIntoView({ block: 'center' })")
         drawn_again(book.page, root)
         view = book.view(index)
-        view.settle()
         assert colors(view.pixels()) >= 3
 
 
@@ -89,10 +84,9 @@ def test_a_picture_put_aside_is_drawn_again(room):
     )
     view.wait("ready", "false")
     drawn_again(view.page, view.root)
-    view.settle()
     assert view.root.get_by_role("button", name="Draw it again").count() == 0
     view.point(3, view.size()[1] - 60)
-    assert difference(view.pixels(), before) < 0.01
+    until(view.page, lambda: difference(view.pixels(), before) < 0.01)
 
 
 def test_scrolled_away_and_back_it_is_still_there(notebook):
@@ -132,7 +126,7 @@ def test_running_the_cell_again_replaces_the_view(room):
     again = book.view()
     again.settle()
     assert book.page.locator(".scenewidget").count() == 1
-    assert book.page.evaluate(LIVING) == 1
+    book.page.wait_for_function(LIVING.replace("=> [", "=> 1 === [", 1))
 
 
 def test_a_kernel_that_has_restarted_is_told_of_and_nothing_is_edited(notebook):

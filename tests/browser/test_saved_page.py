@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cells import LABELLED
 from conftest import View
-from test_view import LABELLED, colors
+from test_view import colors
 
 import scenewidget as sw
 

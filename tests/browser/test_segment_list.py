@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cells import LABELLED
+from conftest import until
 from editing_page import WIDGET, Editor
-from test_view import LABELLED
 
 
 class Rows:
@@ -19,7 +20,6 @@ class Rows:
     def open(self):
         self.view.root.get_by_role("button", name="List of segments").click()
         self.table.wait_for()
-        self.view.settle()
         return self
 
     def cells(self):
@@ -75,7 +75,6 @@ def test_it_tells_of_each_segment_and_sorts_by_each_column(room):
     assert rows.segments()[:3] == ["0", "3", "2"]
     rows.list.get_by_role("button", name="Close the list").click()
     rows.table.wait_for(state="hidden")
-    book.page.wait_for_function("() => true")
     assert book.evaluate("view.segment_list") == "False"
 
 
@@ -98,8 +97,8 @@ def test_picture_and_list_point_at_each_other(room):
         "row => row.classList.contains('sw-marked')", arg=rows.row(one).element_handle()
     )
     x, y = (int(value) for value in place)
-    view.page.wait_for_function("root => root.dataset.listed !== ''", arg=view.root.element_handle())
-    assert np.abs(view.pixels()[y, x].astype(int) - before[y, x]).max() > 8
+    view.wait("listed", one)
+    until(view.page, lambda: np.abs(view.pixels()[y, x].astype(int) - before[y, x]).max() > 8)
 
 
 def test_rows_hide_and_frame_segments_by_mouse(room):

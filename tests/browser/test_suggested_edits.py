@@ -29,18 +29,13 @@ def test_a_suggestion_is_shown_skipped_and_accepted(suggesting):
     book.page.get_by_role("button", name="Next suggestion").click()
     view.wait("suggestion", best[0][0])
     assert title(view) == best[0][1]
-    number = eval(book.evaluate("w.view.suggestion['number']"))
+    number = book.evaluate("w.view.suggestion['number']")
     view.root.press("k")
-    book.page.wait_for_function(
-        "root => root.dataset.suggestion !== undefined", arg=view.root.element_handle()
-    )
-    while eval(book.evaluate("w.view.suggestion['number']")) == number:
-        book.page.wait_for_timeout(20)
+    book.wait_for(f"w.view.suggestion['number'] > {number}", True)
     assert book.evaluate("w.session.edits") == "[]"
     expected = book.evaluate("[s.edit for s in w.session.suggestions(1)]")
     view.root.press("Enter")
-    while book.evaluate("len(w.session.edits)") != "1":
-        book.page.wait_for_timeout(20)
+    book.wait_for("len(w.session.edits)", 1)
     assert book.evaluate("w.session.edits") == expected
     view.root.press("Escape")
     view.wait("suggestion", "")

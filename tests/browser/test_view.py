@@ -4,34 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-# A room of 4 × 3 × 2.4 m seen from inside: floor 0, ceiling 1, walls 2-5; level "halves" cuts each in two.
-ROOM = """
-import numpy as np
-from scenewidget.engine.mesh import Mesh
-from scenewidget.widget.scene_view import SceneView
-
-def sheet(corner, along, across, n=40):
-    s, t = np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1), indexing="ij")
-    i = np.arange(s.size).reshape(s.shape)
-    a, b, c, d = (k.ravel() for k in (i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]))
-    points = np.array(corner) + s.reshape(-1, 1) * along + t.reshape(-1, 1) * across
-    return points, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
-
-def room():
-    x, y, z = 4.0 * np.eye(3)[0], 3.0 * np.eye(3)[1], 2.4 * np.eye(3)[2]
-    o = 0 * x
-    sides = [(o, x, y), (z, y, x), (o, y, z), (x, z, y), (o, z, x), (y, x, z)]
-    sheets = [sheet(*side) for side in sides]
-    vertices = np.concatenate([points for points, _ in sheets])
-    faces = np.concatenate([triangles + k * len(sheets[0][0]) for k, (_, triangles) in enumerate(sheets)])
-    return Mesh(vertices, faces), np.repeat(np.arange(6), len(sheets[0][1]))
-
-mesh, surfaces = room()
-halves = 2 * surfaces + (mesh.face_centroids[:, 0] > 2.0)
-view = SceneView(mesh, height=420)
-"""
-LABELLED = ROOM + "view.set_partition({'halves': halves, 'surfaces': surfaces}, surfaces)\n"
+from cells import LABELLED, ROOM
+from conftest import difference, until
 
 
 def colors(pixels: np.ndarray) -> int:
@@ -86,13 +60,10 @@ def test_the_part_under_the_pointer_is_named_at_each_level(room):
     assert "Segment 0" in view.root.inner_text()
     view.page.keyboard.press("1")
     left = {"0": "1", "1": "0"}
-    view.page.wait_for_function(
-        "root => ['0', '1'].includes(root.dataset.hovered)", arg=view.root.element_handle()
-    )
-    here = view.state("hovered")
+    book.wait_for("view.level", "halves")
+    here = view.wait_until_pointed()
     view.point(width / 2 + 60, height / 2)
     view.wait("hovered", left[here])
-    assert book.evaluate("view.level") == "'halves'"
     view.point(3, height - 60)
     view.wait("hovered", "")
 
@@ -102,8 +73,8 @@ def test_the_part_under_the_pointer_blinks(room):
     width, height = view.size()
     before = view.pixels()
     view.point(width / 2, height / 2)
-    view.page.wait_for_function("root => root.dataset.hovered !== ''", arg=view.root.element_handle())
-    assert np.abs(view.pixels()[60:-40].astype(int) - before[60:-40]).max() > 20
+    view.wait_until_pointed()
+    until(view.page, lambda: difference(view.pixels(), before) > 0)
 
 
 def test_dragging_orbits_and_reset_comes_back(room):
@@ -112,15 +83,11 @@ def test_dragging_orbits_and_reset_comes_back(room):
     before = view.pixels()
     parts_before = view.parts().keys()
     view.drag((width / 2, height / 2), (width / 2 + 300, height / 2 + 10))
-    view.settle()
-    after = view.pixels()
-    assert (np.abs(after.astype(int) - before) > 20).mean() > 0.05
+    assert difference(view.pixels(), before) > 0.05
     assert view.parts().keys() != parts_before  # another wall has opened
     view.root.get_by_role("button", name="Reset view").click()
-    view.settle()
     view.point(3, 70)
-    view.page.wait_for_timeout(400)
-    assert (np.abs(view.pixels()[60:-40].astype(int) - before[60:-40]) > 20).mean() < 0.01
+    until(view.page, lambda: difference(view.pixels(), before) < 0.01)
     assert book.errors == []
 
 
@@ -155,13 +122,11 @@ def test_two_views_of_one_model_share_its_state_but_not_the_camera(notebook):
     book = notebook([LABELLED + "view", "view"], height=1300)
     book.run_all()
     first, second = book.view(0), book.view(1)
-    first.settle()
-    second.settle()
     still = second.pixels()
     width, height = first.size()
     first.drag((width / 2, height / 2), (width / 2 + 250, height / 2))
     first.settle()
-    assert (np.abs(second.pixels().astype(int) - still) > 20).mean() < 0.01
+    assert difference(second.pixels(), still) < 0.01
     first.root.get_by_role("button", name="Outlines").click()
     outlines = second.root.get_by_role("button", name="Outlines")
     second.page.wait_for_function(
@@ -174,15 +139,14 @@ def test_two_views_of_one_model_share_its_state_but_not_the_camera(notebook):
 def test_a_lost_context_comes_back(room):
     _, view = room
     before = view.pixels()
-    canvas = view.root.locator("canvas")
+    canvas = view.root.locator("canvas").element_handle()
     canvas.evaluate(
         "c => (c.loser = c.getContext('webgl2').getExtension('WEBGL_lose_context')).loseContext()"
     )
     view.wait("ready", "false")
     canvas.evaluate("c => c.loser.restoreContext()")
     view.wait("ready", "true")
-    view.settle()
-    assert (np.abs(view.pixels().astype(int) - before) > 20).mean() < 0.01
+    assert difference(view.pixels(), before) < 0.01
 
 
 def test_a_closed_view_gives_its_context_back(room):
@@ -264,7 +228,6 @@ def test_dragging_from_part_to_part_asks_for_a_merge(room):
     places = view.parts()
     (one, start), (two, end) = [(part, place) for part, place in places.items() if part][:2]
     view.drag(start, end)
-    book.page.wait_for_timeout(50)
     assert (
         book.evaluate("[(m['kind'], m['level'], m['revision']) for m in seen]")
         == "[('merge', 'surfaces', 1)]"
@@ -307,7 +270,7 @@ def test_without_webgl_the_cell_says_so(notebook):
 
 def test_light_and_dark_follow_the_host(room):
     book, view = room
-    assert view.state("theme") == "light"
+    view.wait("theme", "light")
     book.page.evaluate(
         "() => window.jupyterapp.commands.execute('apputils:change-theme', { theme: 'JupyterLab Dark' })"
     )
