@@ -26,6 +26,8 @@ sys.stdin.read()
 """
 SMALL = sw.Params(n_segments=6, n_runs=4, n_graph_runs=4)
 
+NAME = {"kind": "relabel", "face": 0, "name": "wall"}
+
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
@@ -150,10 +152,11 @@ def test_two_widgets_that_begin_their_files_at_once_have_one_each(show, mesh, mo
     widgets = show(), show()
     both_write, create = threading.Barrier(2), store._create
     monkeypatch.setattr(store, "_create", lambda *args: (both_write.wait(30), create(*args)))
-    for widget in widgets:
-        widget.view._handle_custom_msg({"kind": "relabel", "face": 0, "name": "wall", "revision": 9}, [])
-    for widget in widgets:
-        widget._keeper.wait()
+    edits = [threading.Thread(target=tell, args=(widget,), kwargs=NAME) for widget in widgets]
+    for edit in edits:
+        edit.start()
+    for edit in edits:
+        edit.join(60)
     name = default_name(mesh)
     assert {widget.session.path.name for widget in widgets} == {name, name.replace(".swproj", "-2.swproj")}
     assert [widget.view.save_state for widget in widgets] == ["saved", "saved"]
