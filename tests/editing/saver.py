@@ -57,8 +57,11 @@ def work(path, seed, tell):
             os.write(tell, b"%d\n" % len(session.to_frame()))
 
 
-def kill_rounds(folder, n_rounds, *, seed=0, longest=0.15):
+def kill_rounds(folder, n_rounds, *, seed=0, most=20, longest=0.1):
     """Kill a saver again and again; what was acknowledged must be there each time.
+
+    Every other round, at some instant from its start on; else, at some instant after up to ``most`` edits.
+    Either way within ``longest`` seconds.
 
     Returns
     -------
@@ -77,10 +80,11 @@ def kill_rounds(folder, n_rounds, *, seed=0, longest=0.15):
             finally:
                 os._exit(1)
         os.close(tell)
-        time.sleep(float(rng.uniform(0, longest)))
-        os.kill(child, signal.SIGKILL)
         with os.fdopen(receive) as pipe:
-            lines = [line for line in pipe if line.endswith("\n")]
+            lines = [pipe.readline() for _ in range(round_ % 2 * rng.integers(most))]
+            time.sleep(float(rng.uniform(0, longest)))
+            os.kill(child, signal.SIGKILL)
+            lines += [line for line in pipe if line.endswith("\n")]
         _, status = os.waitpid(child, 0)
         assert os.WIFSIGNALED(status), "the saver failed by itself"
         acknowledged.append(int(lines[-1]) if lines else 0)
