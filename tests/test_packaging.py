@@ -144,7 +144,7 @@ def test_without_a_registry_the_build_fails_soon_and_says_what_to_do(kind, reque
         hook.BundleError, match=r"(?s)registry did not answer.*What to do.*npm_config_registry"
     ):
         hook.make_bundle(ROOT / "scenewidget" / "js", tmp_path / "static")
-    assert time.monotonic() - began < 15
+    assert time.monotonic() - began < 60  # npm itself would try for minutes
     assert not (tmp_path / "static").exists()
 
 
