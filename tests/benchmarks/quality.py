@@ -1,7 +1,7 @@
 """How good are the segments? Thesis' preset, default and Felzenszwalb on scans with a truth, in one table.
 
     python tests/benchmarks/quality.py [--half judging] [--scans bedroom study] [--rows default strong]
-        [--seeds 0 1 2] [--cache DIR] [--ablation]
+        [--seeds 0 1 2] [--cache DIR] [--ablation] [--csv FILE]
 
 The scans (`rooms`) come in two halves: TUNING, on which thresholds and defaults may be chosen, with the
 development scan `bedroom`, and JUDGING, whose means are what counts, with `bedroom_noisy`. Felzenszwalb
@@ -80,12 +80,18 @@ ABLATION: dict[str, dict[str, Any]] = {
     "no Felzenszwalb runs": {"n_graph_runs": 0},
     "cotangent δ feature": {"feature": "cotangent"},
     "gps feature": {"feature": "gps"},
+    "hks feature": {"feature": "hks"},
     "runs merged over planes": {"merge": True},
     "PEAC": {"consensus": "peac"},
     "median partition": {"consensus": "median"},
     "S = auto": {"n_segments": "auto"},
     "S = auto, merging down to 0.42": {"n_segments": "auto", "linkage_similarity": 0.42},
+    "no hop": {"hop": 0.0},
+    "no travel": {"travel": 0.0},
+    "cost exponent 1.5": {"cost_exponent": 1.5},
+    "shares by items": {"allocation": "faces"},
     "planes not joined": {"join_planes": False},
+    "reliefs left": {"relief": 0.0},
     "crumbs kept": {"min_area": 0.0},
 }
 TARGETS = {"1-RI": 0.6, "GCE": 0.8, "LCE": 0.8}  # times the best Felzenszwalb
@@ -274,15 +280,22 @@ def probe(name: str) -> str:
 # --- tables ---------------------------------------------------------------------------------------
 
 
-def engine_row(kept: Cache, scan: Scan, name: str, params: sw.Params, seeds: list[int]) -> dict[str, float]:
+def engine_row(
+    kept: Cache,
+    scan: Scan,
+    name: str,
+    params: sw.Params,
+    seeds: list[int],
+    run: Callable[[Scan, sw.Params], Outcome] = by_engine,
+) -> dict[str, float]:
     """Mean over the seeds."""
     code = probe("thesis") if name == "thesis" else engine_digest()
-    runs = []
+    rows = []
     for seed in seeds:
         options = params.replace(seed=seed)
-        runs.append(kept.get(scan, name, (code, options), lambda o=options: judged(scan, by_engine(scan, o))))
-    row = pd.DataFrame(runs).mean().to_dict()
-    return {**row, "±": float(np.ptp([run["1-RI"] for run in runs])) / 2}
+        rows.append(kept.get(scan, name, (code, options), lambda o=options: judged(scan, run(scan, o))))
+    mean = pd.DataFrame(rows).mean().to_dict()
+    return {**mean, "±": float(np.ptp([row["1-RI"] for row in rows])) / 2}
 
 
 def rows_of(
@@ -318,6 +331,8 @@ def print_tables(kept: Cache, arguments: argparse.Namespace) -> None:
         if scan.is_clean and "default" in rows.index:
             clean[scan.name] = rows.loc["default", "1-RI"]
         print(f"\n{scan.half}: {scan.name}, {scan.mesh.n_faces} faces\n{shown(rows)}", flush=True)
+    if arguments.csv:
+        write_csv({(half, scan): t for half, ts in tables.items() for scan, t in ts.items()}, arguments.csv)
     for half, by_scan in tables.items():
         every = pd.concat(by_scan)
         mean = every.groupby(level=1, sort=False).mean()
@@ -366,28 +381,42 @@ def print_targets(half: str, by_scan: dict[str, pd.DataFrame], mean: pd.DataFram
     print(f"  coverage at least {least:.3f} (target 0.98), seconds {mean.loc['default', 'seconds']:.1f}")
 
 
+def write_csv(tables: dict[tuple[str, str], pd.DataFrame], file: Path) -> None:
+    """A line for each half, scan and row; notebook 10 shows what `--csv` wrote."""
+    table = pd.concat(tables, names=["half", "scan", "row"])
+    table.drop(columns="seconds", errors="ignore").round(4).to_csv(file)
+
+
 def print_ablation(kept: Cache, arguments: argparse.Namespace) -> None:
     """What each option of the default brings: means with one of them switched off or replaced."""
-    found: dict[str, list[dict[str, float]]] = {}
+    tables: dict[tuple[str, str], pd.DataFrame] = {}
     variants = {"default": sw.Params()} | {
         name: sw.Params().replace(**changes)
         for name, changes in ABLATION.items()
         if sw.Params().replace(**changes) != sw.Params()
     }
     for scan in scans(arguments.scans, arguments.half, kept.folder):
-        for name, params in variants.items():
-            row = engine_row(kept, scan, name, params, arguments.seeds)
-            found.setdefault(name, []).append(row)
+        pipe = sw.Pipeline(scan.mesh)  # stages that variants share are computed once
+        rows = {
+            name: engine_row(
+                kept,
+                scan,
+                f"{name}, ablation",
+                params,
+                arguments.seeds,
+                lambda _, o, p=pipe: Outcome(p.run(o), np.nan),
+            )
+            for name, params in variants.items()
+        }
+        tables[scan.half, scan.name] = pd.DataFrame(rows).T.drop(columns="seconds")
         print(f"{scan.name}: done", flush=True)
-    means = pd.DataFrame({name: pd.DataFrame(rows).mean() for name, rows in found.items()}).T
+    means = pd.concat(tables).groupby(level=2, sort=False).mean()
     means.insert(1, "Δ 1-RI", means["1-RI"] - means.loc["default", "1-RI"])
-    worse = {
-        name: sum(a["1-RI"] > b["1-RI"] for a, b in zip(rows, found["default"]))
-        for name, rows in found.items()
-    }
-    means.insert(2, "worse on", pd.Series(worse))
-    text = shown(means)
-    print(f"\nmean over {len(found['default'])} scans of half {', '.join(arguments.half)}\n{text}")
+    is_worse = pd.DataFrame({scan: t["1-RI"] > t.loc["default", "1-RI"] for scan, t in tables.items()})
+    means.insert(2, "worse on", is_worse.sum(axis=1).astype(float))
+    print(f"\nmean over {len(tables)} scans of half {', '.join(arguments.half)}\n{shown(means)}")
+    if arguments.csv:
+        write_csv(tables, arguments.csv)
 
 
 def main() -> None:
@@ -400,6 +429,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
     parser.add_argument("--cache", type=Path, default=Path(tempfile.gettempdir()) / "scenewidget-quality")
     parser.add_argument("--ablation", action="store_true", help="what each option of the default brings")
+    parser.add_argument("--csv", type=Path, help="where to write the rows of all scans")
     arguments = parser.parse_args()
     arguments.half = arguments.half or (["judging"] if arguments.ablation else list(HALVES))
     warnings.simplefilter("ignore")
