@@ -33,7 +33,8 @@ if any(notice["key"] == "offer" for notice in w.view.notices):
 rng = np.random.default_rng(int(sys.argv[2]))
 while True:
     a, b = (int(x) for x in rng.integers(0, n, 2))
-    kind = ("merge", "split", "merge", "undo", "redo", "relabel")[rng.integers(6)]
+    kinds = ("merge", "split", "merge", "redo", "relabel", "undo")
+    kind = kinds[rng.integers(6 if len(w.session.history) > 1 else 5)]  # without a step, nothing is offered
     level = ("dihedral", "base", "final")[rng.integers(3)]
     message = {"kind": kind, "face": a, "onto_face": b, "name": f"name {b}", "level": level}
     w.view._handle_custom_msg({**message, "revision": w.view.revision}, [])
