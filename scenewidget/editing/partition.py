@@ -89,6 +89,7 @@ class Partition:
         self._next_id = automatic.n_segments
         self._parent: IntArray = np.arange(self.atoms.n)
         self._divided: tuple[tuple[Cut, bytes], BoolArray] | None = None  # last, so that a preview is kept
+        self._totals: FloatArray | None = None  # what `_tally` says of all atoms
 
     def segment_at(self, face: int) -> int:
         """Id of the segment under a face, -1 if it is unlabeled.
@@ -149,14 +150,17 @@ class Partition:
     def revert(self, change: Change) -> None:
         """Take the last change back that wasn't taken back yet."""
         if change.n_atoms == self.atoms.n:
-            self.segment[change.atoms] = change.before
+            self._put(change.atoms, change.before)
         else:  # a cut has made the atoms finer since
             before = np.full(change.n_atoms, -2, dtype=np.int32)
             before[change.atoms] = change.before
             before = before[self._ancestors(change.n_atoms)]
             self.segment = np.where(before == -2, self.segment, before)
+            self._totals = None
         self.names = dict(change.names)
         self._next_id = change.next_id
+        if self._totals is not None:
+            self._totals = self._totals[:, : self._next_id + 1]
 
     # --- the edits --------------------------------------------------------------------------------
 
@@ -246,15 +250,35 @@ class Partition:
         change = self._change(moves)
         if target is None:
             target, self._next_id = self._next_id, self._next_id + 1
-        self.segment[moves] = target
-        sources = np.unique(change.before)
-        gone = [int(s) for s in sources if s >= 0 and not (self.segment == s).any()]
+        self._put(moves, target)
+        sources = np.flatnonzero(np.bincount(change.before + 1)) - 1
+        gone = [s for s in sources.tolist() if s >= 0 and not (self.segment == s).any()]
         self.names = {i: name for i, name in self.names.items() if i not in gone}
         if target not in self.names:
             inherited = [change.names[s] for s in gone if s in change.names]
             if inherited:
                 self.names[target] = inherited[0]
         return change
+
+    def _put(self, atoms: IntArray, segments: IntArray | int) -> None:
+        """Put atoms into segments, and keep the totals right: that costs what moves, not what there is."""
+        if self._totals is None:
+            self.segment[atoms] = segments
+            return
+        before = self._tally(atoms)
+        self.segment[atoms] = segments
+        totals = self._tally(atoms) - before  # wider than before if a segment is new
+        totals[:, : self._totals.shape[1]] += self._totals
+        self._totals = totals
+
+    def _tally(self, atoms: IntArray | slice) -> FloatArray:
+        """(3, 1 + n_ids) number, area and sureness of some atoms by segment, unlabeled ones first.
+
+        Whole numbers, so that nothing is lost in adding and subtracting.
+        """
+        segment, area = self.segment[atoms], self._area[atoms]
+        sureness = np.where(segment != self.parts["final"][atoms], area, self._sureness[atoms])
+        return np.stack([_sums(segment + 1, of, self._next_id + 1) for of in (None, area, sureness)])
 
     def _change(self, atoms: IntArray) -> Change:
         n_faces = int(self.atom_faces[atoms].sum())
@@ -267,7 +291,8 @@ class Partition:
         self._parent = np.concatenate([self._parent, parents])
         self.segment = np.concatenate([self.segment, self.segment[parents]])
         self.parts = {level: np.concatenate([part, part[parents]]) for level, part in self.parts.items()}
-        for table in ("atom_faces", "_area", "_sureness", "_pieces"):
+        self._totals = None
+        for table in ("atom_faces", "_area", "_sureness", "_confidence", "_pieces"):
             self.__dict__.pop(table, None)
 
     def _ancestors(self, n_atoms: int) -> IntArray:
@@ -294,10 +319,14 @@ class Partition:
 
     @cached_property
     def _sureness(self) -> FloatArray:
+        """(n_atoms,) sum of the automatic confidence times the area, in whole quanta."""
+        weights = np.rint(self._face_quanta * self.automatic.confidence)
+        return _sums(self.atoms.face_atom, weights, self.atoms.n)
+
+    @cached_property
+    def _confidence(self) -> FloatArray:
         """(n_atoms,) mean of the automatic confidence over the area, 0 where there is none."""
-        weights = self._face_quanta * self.automatic.confidence
-        sums = _sums(self.atoms.face_atom, weights, self.atoms.n)
-        return np.divide(sums, self._area, out=np.zeros(self.atoms.n), where=self._area > 0)
+        return np.divide(self._sureness, self._area, out=np.zeros(self.atoms.n), where=self._area > 0)
 
     @cached_property
     def _pieces(self) -> tuple[IntArray, IntArray, FloatArray]:
@@ -323,14 +352,19 @@ class Partition:
     # --- the answer -------------------------------------------------------------------------------
 
     def numbering(self) -> Numbering:
-        """How `segmentation` numbers and names the segments now; a few ms at most, whatever the faces."""
+        """How `segmentation` numbers and names the segments now; about 1 ms, whatever the faces."""
         labels, ids = self._dense()
-        area = _sums(self.segment + 1, self._area, self._next_id + 1)[ids + 1]
-        by_atom = np.where(self._is_moved & (self._area > 0), 1.0, self._sureness)
-        confidence = _sums(self.segment + 1, by_atom * self._area, self._next_id + 1)[ids + 1]
-        np.divide(confidence, area, out=confidence, where=area > 0)
+        _, area, sureness = self._added_up()[:, ids + 1]
+        confidence = np.divide(sureness, area, out=sureness, where=area > 0)
+        by_atom = np.where(self._is_moved & (self._area > 0), 1.0, self._confidence)
         names = tuple(self.names.get(i, "") for i in ids.tolist())
         return Numbering(labels, ids, names, confidence, by_atom)
+
+    def _added_up(self) -> FloatArray:
+        """`_tally` of all atoms."""
+        if self._totals is None:
+            self._totals = self._tally(slice(None))
+        return self._totals
 
     def segmentation(self) -> Segmentation:
         """The segmentation as it is now, labels dense and 0 the largest by area.
@@ -370,17 +404,17 @@ class Partition:
         """
         if not self._is_moved.any():
             return self.parts["final"].astype(np.int32), np.arange(self.automatic.n_segments)
-        place, n = self.segment + 1, self._next_id + 1
-        is_used = np.bincount(place, minlength=n) > 0
-        is_used[0] = False  # the unlabeled ones
-        ids = np.flatnonzero(is_used) - 1
-        area = _sums(place, self._area, n)
-        first = np.full(n, self.automatic.mesh.n_faces)
-        np.minimum.at(first, place, self.atoms.first_face)
-        ids = ids[np.lexsort((first[ids + 1], -area[ids + 1]))]
-        rank = np.full(n, -1, dtype=np.int32)
-        rank[ids + 1] = np.arange(len(ids))
-        return rank[place], ids
+        n_atoms, area, _ = self._added_up()[:, 1:]
+        ids = np.flatnonzero(n_atoms)
+        order = np.argsort(-area[ids], kind="stable")
+        if (np.diff(area[ids][order]) == 0).any():  # ties go by the first face
+            first = np.full(self._next_id + 1, self.automatic.mesh.n_faces)
+            np.minimum.at(first, self.segment, self.atoms.first_face)
+            order = np.lexsort((first[ids], -area[ids]))
+        ids = ids[order]
+        rank = np.full(self._next_id + 1, -1, dtype=np.int32)  # the last one is for segment = -1
+        rank[ids] = np.arange(len(ids))
+        return rank[self.segment], ids
 
     def _item_labels(self, atom_label: IntArray) -> IntArray:
         """(n_items,) label of most of each item's area."""
@@ -399,6 +433,6 @@ class Partition:
         return out
 
 
-def _sums(group: IntArray, weights: FloatArray, n: int) -> FloatArray:
-    """(n,) sum of the weights of each group."""
+def _sums(group: IntArray, weights: FloatArray | None, n: int) -> FloatArray:
+    """(n,) sum of the weights of each group, 1 each by default."""
     return np.asarray(np.bincount(group, weights, minlength=n), dtype=np.float64)

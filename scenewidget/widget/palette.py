@@ -80,7 +80,7 @@ def inherited_colors(
     n_segments: int,
     before: IntArray,
     colors_before: IntArray,
-    sizes: IntArray | None = None,
+    sizes: FloatArray | None = None,
 ) -> IntArray:
     """Colours that segments keep from an earlier labelling, (n_segments,); -1 for new ones.
 

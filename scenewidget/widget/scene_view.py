@@ -122,11 +122,12 @@ import anywidget
 import numpy as np
 import numpy.typing as npt
 import traitlets
+from scipy import sparse
 
 from scenewidget.engine.atoms import Atoms, common_refinement
 from scenewidget.engine.family import Family
 from scenewidget.engine.items import Items
-from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh
 from scenewidget.widget.bundle import bundled
 from scenewidget.widget.page import make_page
 from scenewidget.widget.palette import (
@@ -247,8 +248,8 @@ class SceneView(anywidget.AnyWidget):
             )
         self.mesh = mesh
         self._atoms: Atoms | None = None
-        self._atom_faces: IntArray = np.zeros(0, np.int64)
-        self._neighbours: IntArray = np.zeros((2, 0), np.int32)  # atoms that touch
+        self._atom_faces: FloatArray = np.zeros(0)  # number of faces of each atom
+        self._touching = sparse.csr_array((0, 0), dtype=bool)  # atoms by atoms
         self._parts: dict[str, IntArray] = {}  # of each atom, by level
         self._table: IntArray = np.zeros(0, np.int64)  # segment of each atom
         self._color_rows: IntArray = np.zeros(0, np.int64)
@@ -388,8 +389,9 @@ class SceneView(anywidget.AnyWidget):
                 pairs = adjacent_segments(
                     self.mesh.faces, atoms.face_atom.astype(np.int64), self.mesh.n_vertices
                 )
-                self._neighbours = np.ascontiguousarray(pairs.T, np.int32)
-                self._atom_faces = np.bincount(atoms.face_atom, minlength=atoms.n)
+                ones, (i, j) = np.ones(2 * len(pairs), bool), np.concatenate([pairs, pairs[:, ::-1]]).T
+                self._touching = sparse.csr_array((ones, (i, j)), shape=(atoms.n, atoms.n))
+                self._atom_faces = np.bincount(atoms.face_atom, minlength=atoms.n).astype(np.float64)
                 self.set_trait("levels", list(parts))
                 self._put("face_atom", atoms.face_atom)
                 rows = [_unlabelled_as_most(table) for table in parts.values()]
@@ -634,21 +636,23 @@ class SceneView(anywidget.AnyWidget):
             raise ValueError(f"confidence must have shape ({n_rows},), one a segment, got {sure.shape}")
         if ids is not None and len(ids) != n_rows:
             raise ValueError(f"ids must have shape ({n_rows},), one a segment, got ({len(ids)},)")
-        is_labelled = table >= 0
-        sizes = np.bincount(table[is_labelled], self._atom_faces[is_labelled], n_rows)
-        neighbours = self._segment_pairs(table, n_rows)
-        known = np.full(n_rows, -1)
-        if ids is not None and self._row_of_id:
-            known = self._rows_of_ids(ids, neighbours)
+        sizes = np.bincount(table + 1, self._atom_faces, n_rows + 1)[1:]
+        shares = sizes / self.mesh.n_faces
+        known, lasting = np.full(n_rows, -1), ids if self._row_of_id else None
+        if lasting is not None:
+            known = np.array([self._row_of_id.get(i, -1) for i in lasting.tolist()], np.int64)
         elif before is not None:
             atoms, old = before
             known = inherited_colors(self._per_face(table), n_rows, old[atoms.face_atom], self._color_rows)
-        self._color_rows = choose_colors(n_rows, neighbours, sizes / self.mesh.n_faces, known)
+        pairs = self._segment_pairs(table, known < 0)
+        if lasting is not None:
+            self._take_spare_rows(known, lasting, pairs)
+        self._color_rows = choose_colors(n_rows, pairs, shares, known)
         if ids is not None:
             self._row_of_id.update(zip(ids.tolist(), self._color_rows.tolist(), strict=True))
         spare = np.concatenate([self._color_rows, self._spare_rows, np.full(N_SPARE, -1)])[: n_rows + N_SPARE]
-        shares = np.concatenate([sizes / self.mesh.n_faces, np.zeros(N_SPARE)])
-        self._spare_rows = choose_colors(n_rows + N_SPARE, neighbours, shares, spare)[n_rows:]
+        no_pairs, all_shares = np.zeros((0, 2), np.int64), np.append(shares, np.zeros(N_SPARE))
+        self._spare_rows = choose_colors(n_rows + N_SPARE, no_pairs, all_shares, spare)[n_rows:]
         self._table = table
         self._put("atom_segment", _unlabelled_as_most(table))
         self._put("segment_colors", palette()[np.concatenate([self._color_rows, self._spare_rows])])
@@ -688,26 +692,29 @@ class SceneView(anywidget.AnyWidget):
             by_atom = by_segment[self._table]  # -1, unlabelled, takes the last
         return _codes(np.zeros(0) if by_atom is None else by_atom)
 
-    def _segment_pairs(self, table: IntArray, n: int) -> IntArray:
-        """(n_pairs, 2) segments that touch, out of the atoms that do."""
-        one, other = table[self._neighbours[0]], table[self._neighbours[1]]
-        is_border = (one != other) & (one >= 0) & (other >= 0)
+    def _segment_pairs(self, table: IntArray, is_wanted: BoolArray) -> IntArray:
+        """(n_pairs, 2) some segments, each with those that it touches, out of the atoms that do."""
+        if not is_wanted.any():
+            return np.zeros((0, 2), np.int64)
+        atoms = np.flatnonzero(np.append(is_wanted, False)[table])
+        around = self._touching[atoms]
+        one, other = np.repeat(table[atoms], np.diff(around.indptr)), table[around.indices]
+        is_border = (one != other) & (other >= 0)
+        n = len(is_wanted)
         codes = np.unique(one[is_border].astype(np.int64) * n + other[is_border])
-        return np.stack(np.divmod(codes, max(n, 1)), axis=1)
+        return np.stack(np.divmod(codes, n), axis=1)
 
     def _per_face(self, table: IntArray) -> IntArray:
         """(n_faces,) labels out of labels per atom."""
         return table[self._atoms.face_atom] if self._atoms is not None else np.zeros(0, np.int64)
 
-    def _rows_of_ids(self, ids: IntArray, neighbours: IntArray) -> IntArray:
-        """Colours that segments have already; new ones get those that the browser has shown them in."""
-        rows = np.array([self._row_of_id.get(i, -1) for i in ids.tolist()], np.int64)
+    def _take_spare_rows(self, rows: IntArray, ids: IntArray, pairs: IntArray) -> None:
+        """Give new segments the colours that the browser has shown them in, where these can be told apart."""
         new = np.flatnonzero(rows < 0)
         for segment in new[np.argsort(ids[new])][: len(self._spare_rows)]:
             row, self._spare_rows = self._spare_rows[0], self._spare_rows[1:]
-            around = rows[np.concatenate([neighbours[neighbours[:, k] == segment, 1 - k] for k in (0, 1)])]
+            around = rows[pairs[pairs[:, 0] == segment, 1]]
             rows[segment] = row if are_distinct(row, around[around >= 0]) else -1
-        return rows
 
     def _put(self, name: str, array: npt.NDArray[Any]) -> None:
         self._headers = {**self._headers, name: _header(array)}
