@@ -182,8 +182,8 @@ class Keeper:
                 except OSError as error:
                     self._problem = str(error)
                 finally:
-                    self._writing = None
                     self.tell(session)
+                    self._writing = None
 
             self._writing = threading.Thread(target=write, name="scenewidget-file")  # waited for at the end
             self._writing.start()
@@ -201,7 +201,7 @@ class Keeper:
             state, note = "failed", re.sub(r"^\[Errno \d+\] ", "", problem)
         elif session.is_saved:
             state = "saved"
-        elif self._writing is not None:
+        elif self._writing not in (None, threading.current_thread()):
             state = "saving"
         else:
             state = "unsaved" if session.history or session.undone else ""
