@@ -20,6 +20,7 @@
 /** Of half the height of the picture as an angle: narrow, so that rooms don't look stretched. */
 export const TANGENT = Math.tan((18 * Math.PI) / 180);
 const STEEPEST = Math.PI / 2;
+const ASLANT = Math.PI / 5; // from where a surface is seen rather than straight on
 const FIRST_PITCH = (42 * Math.PI) / 180;
 
 /**
@@ -231,6 +232,23 @@ export function mainAxis(normals) {
 export function fromAbove(camera, axis) {
   const quarter = Math.PI / 2;
   return { ...camera, pitch: STEEPEST, yaw: axis + Math.round((camera.yaw - axis) / quarter) * quarter };
+}
+
+/**
+ * A camera that sees the front of a surface: turned only if it shows its back or its edge.
+ * @param {Camera} camera
+ * @param {Vec3} normal  need not be normalised
+ * @returns {Camera}
+ */
+export function facing(camera, normal) {
+  const [x, y, z] = normal;
+  const length = Math.hypot(x, y, z) || 1;
+  if (dot(frame(camera).forward, normal) <= -0.25 * length) return camera;
+  const level = Math.hypot(x, y) / length;
+  const away = level < 0.4 ? 0 : Math.atan2(y, x) - camera.yaw;
+  const turn = Math.atan2(Math.sin(away), Math.cos(away)); // the short way round
+  const aslant = Math.sign(turn) * Math.min(Math.abs(turn), ASLANT);
+  return { ...camera, yaw: camera.yaw + turn - aslant, pitch: z < -0.6 * length ? -0.6 : 0.5 };
 }
 
 /**

@@ -55,7 +55,7 @@ export function createSuggesting({ model, view, panel, labelling, pointing, sign
       model.set("level", shown.level);
       model.save_changes();
     }
-    view.lookAt(shown.face);
+    queueMicrotask(() => view.lookAround(shown.face)); // once the parts are those of the level
   }
 
   accept.onclick = () => send("accept");

@@ -7,6 +7,7 @@
 
 import {
   add,
+  facing,
   firstDirection,
   fit,
   frame,
@@ -20,7 +21,7 @@ import {
   TANGENT,
   zoom,
 } from "./camera.js";
-import { coarse, sample } from "./geometry.js";
+import { boundingBall, coarse, sample } from "./geometry.js";
 import { carried } from "./hiding.js";
 import { atomTable, NONE } from "./partition.js";
 import { SceneRenderer } from "./renderer.js";
@@ -298,19 +299,38 @@ export class Viewer {
     const { faceAtom, atomSegment } = this.partition;
     const segment = atomSegment[faceAtom[face]];
     if (segment === NONE) return;
-    const inside = faceAtom.reduce((n, atom) => n + Number(atomSegment[atom] === segment), 0);
-    const { vertices, faces } = this.mesh;
-    const step = Math.max(1, inside / FRAME_FACES);
-    const points = [];
-    for (let f = 0, k = 0, next = 0; f < faceAtom.length; f++) {
-      if (atomSegment[faceAtom[f]] !== segment || k++ < next) continue;
-      next += step;
-      for (let c = 3 * f; c < 3 * f + 3; c++)
-        points.push(...vertices.subarray(3 * faces[c], 3 * faces[c] + 3));
-    }
     const { width, height } = this.size;
-    const framed = fit(this.camera, new Float32Array(points), width / Math.max(1, height), 0.3);
+    const { points } = this.#sampleOf((atom) => atomSegment[atom] === segment);
+    const framed = fit(this.camera, points, width / Math.max(1, height), 0.3);
     this.#fly(this.isInside ? lookTo(this.camera, framed.target) : framed);
+  }
+
+  /** Bring the part of a face into the middle, its front to the eye, with what is around it. @param {number} face */
+  lookAround(face) {
+    if (!this.partition || !this.mesh) return;
+    const { atomPart } = this.partition;
+    const part = this.partOf(face);
+    if (part === NONE) return;
+    const { points, normals } = this.#sampleOf((atom) => atomPart[atom] === part);
+    const { middle, radius } = boundingBall(points);
+    if (this.isInside) {
+      this.#fly(lookTo(this.camera, middle));
+      return;
+    }
+    const shown = Math.min(Math.max(this.#scale, 2 * radius), this.mesh.bounds.radius);
+    const aspect = this.size.width / Math.max(1, this.size.height);
+    const turned = facing(this.camera, sum(normals));
+    this.#fly({ ...turned, target: middle, distance: shown / (TANGENT * Math.min(1, aspect)) });
+  }
+
+  /** Some of the faces of atoms. @param {(atom: number) => boolean} isIn */
+  #sampleOf(isIn) {
+    const { faceAtom } = /** @type {Partition} */ (this.partition);
+    const { vertices, faces } = /** @type {MeshArrays} */ (this.mesh);
+    const inside = [];
+    for (let f = 0; f < faceAtom.length; f++)
+      if (isIn(faceAtom[f])) inside.push(faces[3 * f], faces[3 * f + 1], faces[3 * f + 2]);
+    return sample(vertices, Uint32Array.from(inside), FRAME_FACES);
   }
 
   /** @param {Action} action */
@@ -633,4 +653,12 @@ export class Viewer {
       isDark,
     };
   }
+}
+
+/** Sum of vectors one after another. @param {Float32Array} vectors @returns {Vec3} */
+function sum(vectors) {
+  /** @type {Vec3} */
+  const total = [0, 0, 0];
+  for (let i = 0; i < vectors.length; i++) total[i % 3] += vectors[i];
+  return total;
 }

@@ -3,6 +3,7 @@ import { test } from "node:test";
 import {
   add,
   dot,
+  facing,
   firstDirection,
   fit,
   frame,
@@ -170,4 +171,22 @@ test("where a point is seen is where it is drawn; behind the eye, nowhere", () =
   near(placeOf(camera, point, 1.5) ?? [], project(camera, point, 1.5).slice(0, 2));
   const { eye, forward } = frame(camera);
   assert.equal(placeOf(camera, add(eye, forward, -1), 1.5), null);
+});
+
+test("a camera turns to the front of a surface only if it shows its back, and aslant", () => {
+  const forward = (/** @type {import("../src/camera.js").Camera} */ { yaw, pitch }) =>
+    frame({ ...camera, yaw, pitch }).forward;
+  const above = { ...camera, yaw: 0.3, pitch: 0.7 };
+  assert.equal(facing(above, [0, 0, 2]), above);
+  for (const normal of /** @type {Array<[number, number, number]>} */ ([
+    [-1, 0, 0],
+    [0, 3, 0],
+    [-1, -1, 0.1],
+    [0, 0, -5],
+    [-0.2, 0.1, -1],
+  ])) {
+    const turned = facing(above, normal);
+    assert.ok(dot(forward(turned), normal) < -0.25 * Math.hypot(...normal));
+    near([turned.distance, ...turned.target], [above.distance, ...above.target], 1e-12);
+  }
 });
