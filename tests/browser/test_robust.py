@@ -135,7 +135,7 @@ def test_a_kernel_that_has_restarted_is_told_of_and_nothing_is_edited(notebook):
     editor = Editor(book)
     book.restart()
     editor.view.wait("live", "false")
-    editor.root.get_by_text("Python is no longer connected to this view").wait_for()
+    editor.root.get_by_text("The kernel is gone").wait_for()
     editor.view.wait("mode", "navigate")
     assert not editor.button("Edit").is_visible()
     editor.root.focus()

@@ -1,4 +1,4 @@
-/** Whether Python is still there. Without it one can look, but an edit would be lost without a word. */
+/** Whether the kernel is still there. Without it one can look, but an edit would be lost without a word. */
 
 import { on } from "./reading.js";
 
@@ -30,10 +30,10 @@ export function watchConnection(model, host, onChange, signal) {
   return { isLive: () => isLive };
 }
 
-/** What to say when Python has gone. @type {import("./keeping.js").Notice} */
+/** What to say when the kernel has gone. @type {import("./keeping.js").Notice} */
 export const GONE_NOTICE = {
   key: "gone",
-  text: "Python is no longer connected to this view: looking works, editing doesn't. Run its cell again.",
+  text: "The kernel is gone: looking works, editing doesn't. Run the cell again.",
   actions: [],
 };
 

@@ -7,6 +7,7 @@ import { createEditing } from "./editing.js";
 import { faceValues } from "./errors.js";
 import { facesOf } from "./hiding.js";
 import { listenToKeys } from "./keyboard.js";
+import { FIRST_STEPS, FIRST_TOUCHES } from "./keys.js";
 import { Labelling } from "./labelling.js";
 import { legendOf } from "./legend.js";
 import { createLinking } from "./linking.js";
@@ -46,6 +47,8 @@ const GROUPS = {
     ...["undo_title", "redo_title", "history_shown", "history", "n_done"],
   ],
 };
+
+const firstSteps = globalThis.matchMedia?.("(pointer: coarse)").matches ? FIRST_TOUCHES : FIRST_STEPS;
 
 /**
  * @param {{ model: Model, el: HTMLElement }} host
@@ -223,7 +226,8 @@ function start({ model, el }, again, kept) {
     const isLive = connection.isLive();
     root.dataset.live = String(isLive);
     if (!isLive && model.get("mode") === "edit") model.set("mode", "navigate");
-    const own = [...(isLive ? [] : [GONE_NOTICE]), ...(isAside ? [ASIDE] : [])];
+    const lost = lostEdits();
+    const gone = isLive || lost.length > 0 ? [] : [GONE_NOTICE]; // one bar says that the kernel is gone
     root.dataset.preview = String(labelling.isPreview);
     panel.preview.hidden = !labelling.isPreview;
     const words = labelling.undo ? "Preview: your edits come back when you let go" : "Preview";
@@ -239,6 +243,7 @@ function start({ model, el }, again, kept) {
       backFaces: model.get("back_faces"),
     });
     view.setSection(model.get("section"));
+    const isFirstStep = model.get("mode") === "edit" && !labelling.undo && !labelling.redo;
     panel.update({
       colorBy: model.get("color_by"),
       hasScan: view.mesh?.colors != null,
@@ -257,7 +262,7 @@ function start({ model, el }, again, kept) {
       mixing: model.get("color_mix"),
       busy: model.get("busy"),
       progress: model.get("progress"),
-      status: model.get("status"),
+      status: isFirstStep && !model.get("busy") ? "" : model.get("status"),
       error: model.get("error"),
       mode: model.get("mode"),
       editable: model.get("editable") && isLive,
@@ -268,12 +273,12 @@ function start({ model, el }, again, kept) {
       vocabulary: model.get("vocabulary"),
       saveState: model.get("save_state"),
       saveNote: model.get("save_note"),
-      notices: [...own, ...lostEdits(), ...model.get("notices")],
+      notices: [...gone, ...(isAside ? [ASIDE] : []), ...lost, ...model.get("notices")],
       quickNames: model.get("quick_names"),
       historyShown: model.get("history_shown"),
       history: model.get("history"),
       nDone: model.get("n_done"),
-      summary: summaryOf(view),
+      summary: isFirstStep ? firstSteps : summaryOf(view),
       legend: legendOf(model),
     });
     if (panel.list.isShown() && view.partition) {
@@ -294,7 +299,7 @@ function start({ model, el }, again, kept) {
     }
     const edits = counted(operations.length, "edit");
     const text = !connection.isLive()
-      ? `The kernel has gone before it answered ${edits}. Run the cell again: what was saved is offered there`
+      ? `The kernel is gone and has not answered ${edits}. Run the cell again: what was saved is offered there`
       : `No answer from the kernel to ${edits} yet. If it is busy, they will be done; if it was restarted, ` +
         "they are lost: run the cell again";
     return [{ key: "lost", text, actions: [["Take them back", "forget"]] }];
@@ -333,6 +338,7 @@ function start({ model, el }, again, kept) {
   const onStatus = () => {
     const isBusy = model.get("busy");
     if (!isBusy && !wasBusy) panel.remark(model.get("status"));
+    else if (!wasBusy) panel.remark(""); // what came just before tells of this computation
     wasBusy = isBusy;
   };
   for (const name of ["status", "busy"]) on(model, `change:${name}`, onStatus, signal);

@@ -14,73 +14,113 @@
  *   | { kind: "tool", tool: import("./gestures.js").Tool }} Command
  */
 
-/** While looking, not editing. @type {Array<[string, string]>} */
-export const LOOK_HELP = [
+/** @typedef {[keys: string, what: string]} Row */
+
+/** @type {Row[]} */
+const DRAG_WHILE_LOOKING = [
   ["Drag", "orbit"],
-  ["Right drag, Shift + drag", "pan"],
+  ["Shift + drag, right drag", "pan"],
   ["Double click", "turn around this point"],
 ];
 
-/** While looking and while editing. @type {Array<[string, string]>} */
-export const NAVIGATION_HELP = [
-  ["Wheel", "zoom to the pointer"],
+/** @type {Row[]} */
+const DRAG_WHILE_EDITING = [
+  ["Shift + drag, or on the background", "orbit"],
+  ["Right drag", "pan"],
+];
+
+/** @type {Row[]} */
+const LOOK = [
+  ["Wheel; +  −", "zoom"],
   ["← ↑ → ↓", "orbit; with Shift, pan"],
-  ["+  −", "zoom"],
-  ["F", "frame the segment under the pointer"],
+  ["F", "frame the segment"],
   ["Shift + F", "fit the scan into the view"],
-  ["T", "look from above"],
+  ["T", "from above"],
   ["R", "back to the first view"],
   ["V", "stand in the room, and back"],
-  ["X", "cut the scan open with a box"],
-  ["Shift + X", "cut the ceiling off, or show the whole scan"],
-  ["1 – 3", "level"],
-  ["H", "hide the segment under the pointer"],
+];
+
+/** @type {Row[]} */
+const SHOW = [
+  ["1 – 3", "level of the parts"],
+  ["H", "hide the segment"],
   ["I", "hide all others"],
   ["Shift + H", "show all"],
-  ["O", "outlines on or off"],
-  ["B", "back faces on or off"],
-  ["L", "list of segments; in it ↑ ↓ go on, F H I N act on the row"],
+  ["X", "cut the scan open with a box"],
+  ["Shift + X", "cut the ceiling off, and back"],
+  ["O", "outlines"],
+  ["B", "back faces"],
+  ["L", "list of segments; in it ↑ ↓ F H I N"],
   ["?", "this help"],
 ];
 
-/** While editing. @type {Array<[string, string]>} */
-export const EDIT_HELP = [
+/** Looking or editing, where one can edit. @type {Row[]} */
+const EDITABLE = [
+  ["E", "look or edit"],
+  ["K", "next suggestion; Enter accepts, K skips"],
+  ["Ctrl + S", "save everything in one file"],
+];
+
+/** @type {Row[]} */
+const EDIT = [
   ["Drag from part to part", "merge"],
-  ["Click, then click; Enter, then Enter", "merge, too"],
-  ["Ctrl + drag, G", "brush: gather parts onto the first one"],
+  ["Click, click; Enter, Enter", "merge, too"],
+  ["Ctrl + drag, G", "brush: gather parts onto the first"],
   ["Ctrl + click; Shift + Enter", "gather one by one; merge them"],
   ["Right click, S", "split"],
-  ["C", "cut: click or drag from one side to the other"],
-  ["N", "name the segment; its form lists the names of the keys 4 – 9, 0"],
+  ["C", "cut: from one side to the other"],
+  ["N", "name the segment"],
   ["4 – 9, 0", "give it this name at once"],
-  ["Drag on the background, Shift + drag", "orbit"],
-  ["Right drag", "pan"],
   ["Esc", "let go; put the tool down"],
   ["Ctrl + Z", "undo"],
   ["Ctrl + Shift + Z", "redo"],
   ["U", "history: click on a step to go there"],
 ];
 
-/** Looking or editing, where one can edit. @type {Array<[string, string]>} */
-export const EDITABLE_HELP = [
-  ["E", "look or edit"],
-  ["K", "next suggestion; Enter accepts it, K skips it"],
-  ["Ctrl + S", "save everything in one file now"],
+/** @type {Row[]} */
+const TOUCH = [
+  ["One finger, two", "orbit; pan and zoom"],
+  ["Tap, then tap", "pick a part, merge it"],
+  ["Long press", "split"],
+  ["One finger with the brush", "gather parts"],
 ];
 
-/** While standing in the room. @type {Array<[string, string]>} */
-export const WALK_HELP = [
+/** Said before the first edit. */
+export const FIRST_STEPS =
+  "Drag a part onto another to merge them  ·  right-click to split  ·  ? lists all keys";
+export const FIRST_TOUCHES =
+  "Tap a part, then what to merge it with  ·  hold to split  ·  ? lists all gestures";
+
+/** @type {Row[]} */
+const INSIDE = [
   ["W A S D, ↑ ↓", "walk"],
   ["← →", "turn"],
   ["Page up, Page down", "rise, sink"],
-  ["Drag (Shift + drag while editing)", "look around"],
+  ["Drag", "look around"],
   ["Wheel", "go on along the view"],
-  ["Double click (not while editing)", "go there"],
-  ["V", "back outside"],
+  ["Double click", "go there"],
 ];
 
 /** Keys act on what is under the pointer; without one, on what is in the middle. */
-export const AIM_HELP = "Without a mouse, all of this happens to what is in the middle of the picture.";
+export const AIM_HELP =
+  "Keys act on what is under the pointer; without a mouse, on what is in the middle of the picture.";
+
+/**
+ * What the help overlay lists.
+ * @param {{ editable: boolean, mode: "navigate" | "edit", hasTouch?: boolean }} state
+ * @returns {Array<{ title: string, rows: Row[] }>}
+ */
+export function helpSections({ editable, mode, hasTouch = false }) {
+  const isEdit = mode === "edit";
+  const sections = [
+    { title: "Edit", rows: [...(editable ? EDITABLE : []), ...(isEdit ? EDIT : [])] },
+    { title: "Look", rows: [...(isEdit ? DRAG_WHILE_EDITING : DRAG_WHILE_LOOKING), ...LOOK] },
+    { title: "Show", rows: SHOW },
+    { title: "Standing in the room", rows: INSIDE },
+    { title: "By touch", rows: hasTouch ? TOUCH : [] },
+  ];
+  return sections.filter(({ rows }) => rows.length > 0);
+}
 
 /** Digits that give names: those above the levels, as they lie on the keyboard. */
 export const QUICK_KEYS = ["4", "5", "6", "7", "8", "9", "0"];

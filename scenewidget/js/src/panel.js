@@ -3,7 +3,7 @@
 import { element, iconButton, textButton } from "./elements.js";
 import { createHistory } from "./history.js";
 import { createKeeping } from "./keeping.js";
-import { AIM_HELP, EDIT_HELP, EDITABLE_HELP, LOOK_HELP, NAVIGATION_HELP, WALK_HELP } from "./keys.js";
+import { AIM_HELP, helpSections } from "./keys.js";
 import { createLegend } from "./legend.js";
 import { createNaming } from "./naming.js";
 import { createRubber } from "./rubber.js";
@@ -163,14 +163,15 @@ export function createPanel(host, actions) {
   const error = element("div", { class: "sw-error", role: "alert", hidden: "" }, [errorText, dismiss]);
 
   const helpList = element("div", { class: "sw-keys" });
-  const walkList = element("div", { class: "sw-keys" });
-  const walkTitle = element("div", { class: "sw-keys-title" }, ["Standing in the room"]);
-  const aimHelp = element("div", { class: "sw-aim-help" }, [AIM_HELP]);
-  const closeHelp = textButton("Close");
+  const closeHelp = iconButton("close", "Close help", "?");
   const helpCard = element(
     "div",
     { class: "sw-help", role: "dialog", "aria-label": "Keys and gestures", hidden: "" },
-    [helpList, walkTitle, walkList, aimHelp, closeHelp],
+    [
+      element("div", { class: "sw-help-head" }, [element("b", {}, ["Keys and gestures"]), closeHelp]),
+      helpList,
+      element("div", { class: "sw-aim-help" }, [AIM_HELP]),
+    ],
   );
 
   const legend = createLegend();
@@ -253,18 +254,20 @@ export function createPanel(host, actions) {
     if (isShown) closeHelp.focus({ preventScroll: true });
     else root.focus({ preventScroll: true });
   };
-  const showKeys = (/** @type {{ editable: boolean, mode: string }} */ { editable, mode }) => {
-    const keys = [
-      ...(editable ? EDITABLE_HELP : []),
-      ...(mode === "edit" ? EDIT_HELP : LOOK_HELP),
-      ...NAVIGATION_HELP,
-    ];
-    const row = (/** @type {[string, string]} */ [key, what]) => [
-      element("b", {}, [key]),
-      element("span", {}, [what]),
-    ];
-    helpList.replaceChildren(...keys.flatMap(row));
-    walkList.replaceChildren(...WALK_HELP.flatMap(row));
+  const hasTouch = matchMedia("(any-pointer: coarse)").matches;
+  let listed = "";
+  const showKeys = (/** @type {PanelState} */ { editable, mode }) => {
+    if (listed === `${editable} ${mode}`) return;
+    listed = `${editable} ${mode}`;
+    const row = (/** @type {import("./keys.js").Row} */ [keys, what]) =>
+      element("div", { class: "sw-key" }, [element("b", {}, [keys]), element("span", {}, [what])]);
+    helpList.replaceChildren(
+      ...helpSections({ editable, mode, hasTouch }).flatMap(({ title, rows }) => {
+        const [first, ...rest] = rows.map(row);
+        const head = element("div", { class: "sw-keys-title" }, [title]);
+        return [element("div", { class: "sw-key-first" }, [head, first]), ...rest];
+      }),
+    );
   };
   fit.onclick = () => actions.look("here");
   above.onclick = () => actions.look("above");
@@ -346,6 +349,7 @@ export function createPanel(host, actions) {
     showPicked(text, kind = "part") {
       for (const button of actButtons) button.hidden = kind !== "part";
       finish.hidden = kind !== "stroke";
+      pickedBar.dataset.kind = kind;
       if (pickedText.textContent !== (text ?? "")) pickedText.textContent = text ?? "";
       if (text === null && pickedBar.contains(document.activeElement)) root.focus({ preventScroll: true });
       pickedBar.hidden = text === null;

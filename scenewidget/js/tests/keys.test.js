@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { command, EDIT_HELP, EDITABLE_HELP, LOOK_HELP, NAVIGATION_HELP } from "../src/keys.js";
+import { command, helpSections } from "../src/keys.js";
 
 const plain = { shiftKey: false, ctrlKey: false, metaKey: false, altKey: false };
 
@@ -72,14 +72,19 @@ test("the help lists every letter that does something, and no other", () => {
   const SUGGEST = "K"; // heard in suggesting.js
   const lettersIn = (/** @type {Array<[string, string]>} */ rows) =>
     rows.flatMap(([keys]) => keys.split(/[,;] /)).filter((key) => /^[A-Z?]$/.test(key) && key !== SUGGEST);
-  const both = [...EDITABLE_HELP, ...NAVIGATION_HELP];
-  /** @type {Array<["navigate" | "edit", Array<[string, string]>]>} */
-  const help = [
-    ["navigate", [...LOOK_HELP, ...both]],
-    ["edit", [...EDIT_HELP, ...both]],
-  ];
-  for (const [mode, rows] of help) {
+  for (const mode of /** @type {const} */ (["navigate", "edit"])) {
+    const sections = helpSections({ editable: true, mode }).filter(({ title }) => !title.includes("room"));
+    const rows = sections.flatMap(({ rows }) => rows);
     const working = [..."ABCDEFGHIJKLMNOPQRSTUVWXYZ?"].filter((key) => command({ ...plain, key }, mode));
     assert.deepEqual(lettersIn(rows).sort(), working.sort());
   }
+});
+
+test("the help leaves out what can't be done", () => {
+  const titles = (/** @type {Parameters<typeof helpSections>[0]} */ state) =>
+    helpSections(state).map(({ title }) => title);
+  assert.deepEqual(titles({ editable: false, mode: "navigate" }), ["Look", "Show", "Standing in the room"]);
+  assert.deepEqual(titles({ editable: true, mode: "edit", hasTouch: true }), [
+    ...["Edit", "Look", "Show", "Standing in the room", "By touch"],
+  ]);
 });

@@ -1,0 +1,74 @@
+"""Panels over the picture have room beside each other, in wide and in narrow cells."""
+
+from __future__ import annotations
+
+import pytest
+from editing_page import WIDGET, Editor
+
+
+@pytest.fixture
+def cell(notebook):
+    """Opens an editor in a window of some width; nothing may go wrong in the console."""
+    books = []
+
+    def open_cell(width):
+        book = notebook([WIDGET.replace("height=420", "height=560")], width=width)
+        book.run_all()
+        books.append(book)
+        return Editor(book)
+
+    yield open_cell
+    assert [error for book in books for error in book.errors] == []
+
+
+def box(locator):
+    """Left, top, right, bottom."""
+    found = locator.bounding_box()
+    return found["x"], found["y"], found["x"] + found["width"], found["y"] + found["height"]
+
+
+def test_the_help_fits_into_a_cell_of_usual_size(cell):
+    editor = cell(1200)
+    editor.button("Help").click()
+    card = editor.root.get_by_role("dialog", name="Keys and gestures")
+    assert card.evaluate("card => card.scrollHeight <= card.clientHeight")
+    assert card.evaluate("card => card.scrollWidth <= card.clientWidth")
+    rows = card.locator(".sw-key")
+    kept = rows.first.element_handle()
+    editor.book.execute("w.view.outlines = False")
+    editor.page.wait_for_function(
+        "root => root.querySelector('[aria-label=Outlines]').ariaPressed === 'false'",
+        arg=editor.root.element_handle(),
+    )
+    assert kept.evaluate("row => row.isConnected")  # made anew only if something else is to be listed
+    card.get_by_role("button", name="Close help").click()
+    editor.button("Look").click()
+    editor.button("Help").click()
+    assert rows.filter(has_text="turn around this point").is_visible()
+
+
+def test_in_a_narrow_cell_panels_lie_beside_each_other(cell):
+    editor = cell(560)
+    editor.button("History").click()
+    editor.button("Section").click()
+    section = editor.root.get_by_role("dialog", name="Section")
+    history = editor.root.get_by_role("region", name="History")
+    history.wait_for()
+    stage = box(editor.root)
+    assert box(section)[3] <= box(history)[1]
+    for panel in (section, history):
+        left, top, right, bottom = box(panel)
+        assert stage[0] <= left
+        assert right <= stage[2]
+        assert stage[1] <= top
+        assert bottom <= stage[3]
+    editor.button("Section").click()
+    editor.button("History").click()
+    history.wait_for(state="hidden")
+    rightmost = max(editor.places().values())
+    editor.view.point(*rightmost)
+    editor.page.keyboard.press("n")
+    form = editor.root.get_by_role("dialog", name="Name a segment")
+    form.wait_for()
+    assert box(form)[2] <= stage[2]
+    assert form.evaluate("form => form.scrollWidth <= form.clientWidth")
