@@ -113,11 +113,11 @@ export const AIM_HELP =
 export function helpSections({ editable, mode, hasTouch = false }) {
   const isEdit = mode === "edit";
   const sections = [
+    { title: "By touch", rows: hasTouch ? TOUCH : [] },
     { title: "Edit", rows: [...(editable ? EDITABLE : []), ...(isEdit ? EDIT : [])] },
     { title: "Look", rows: [...(isEdit ? DRAG_WHILE_EDITING : DRAG_WHILE_LOOKING), ...LOOK] },
     { title: "Show", rows: SHOW },
     { title: "Standing in the room", rows: INSIDE },
-    { title: "By touch", rows: hasTouch ? TOUCH : [] },
   ];
   return sections.filter(({ rows }) => rows.length > 0);
 }

@@ -221,7 +221,7 @@ vec4 shade(ivec2 place) {
     bool isEdge = picked != NONE && ((isRight && (right.g == picked) != isPicked) || (isAbove && (above.g == picked) != isPicked));
     isEdge = isEdge || (target != NONE && ((isRight && (right.r == target) != (here.r == target)) || (isAbove && (above.r == target) != (here.r == target))));
     bool isStripe = (place.x + place.y) % (10 * width) < 4 * width; // seen on every colour, by everybody
-    if (isPicked) color.rgb = mix(color.rgb, isStripe ? vec3(1.0) : accent, 0.55);
+    if (isPicked) color.rgb = mix(color.rgb, isStripe ? vec3(1.0) : accent, 0.42);
     if (isTarget) color.rgb = mix(color.rgb, accent, 0.12 + 0.26 * pulse);
     if (isEdge) color.rgb = mix(color.rgb, accent, 0.9);
   }

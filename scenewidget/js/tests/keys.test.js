@@ -85,6 +85,6 @@ test("the help leaves out what can't be done", () => {
     helpSections(state).map(({ title }) => title);
   assert.deepEqual(titles({ editable: false, mode: "navigate" }), ["Look", "Show", "Standing in the room"]);
   assert.deepEqual(titles({ editable: true, mode: "edit", hasTouch: true }), [
-    ...["Edit", "Look", "Show", "Standing in the room", "By touch"],
+    ...["By touch", "Edit", "Look", "Show", "Standing in the room"],
   ]);
 });
