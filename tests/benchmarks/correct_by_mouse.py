@@ -71,8 +71,8 @@ class Hand:
 
     def __init__(self, book: conftest.Notebook) -> None:
         self.book, self.page = book, book.page
-        self.view = book.view(timeout=120)
-        self.view.wait("busy", "false", timeout=300)
+        self.view = book.view()
+        self.view.wait("busy", "false")
         self.view.root.get_by_role("button", name="Edit", exact=True).click()
         self.view.wait("mode", "edit")
         self.side = 0
@@ -97,7 +97,7 @@ class Hand:
 
     def settle(self) -> None:
         """Until what lies under the pointer is known."""
-        self.view.wait("moving", "false", timeout=60)
+        self.view.wait("moving", "false")
 
     def find(self, part: int, level: str) -> tuple[int, tuple[float, float]] | None:
         """A side and a place from where a part can be pointed at."""
@@ -164,7 +164,7 @@ class Hand:
             row.click()
             if segment == step["part"]:
                 self.view.wait("picked", str(segment))
-        self.view.wait("pending", "0", timeout=60)
+        self.view.wait("pending", "0")
         self.press("l")
         self.n_rows += 1
         return True
@@ -191,7 +191,7 @@ def correct(book: conftest.Notebook, name: str, target: float, most: int) -> Non
                 break
             book.execute(f"Annotator.unseen[{step['level']!r}].add({step['part']})")
             continue
-        hand.view.wait("pending", "0", timeout=60)
+        hand.view.wait("pending", "0")
         done = book.evaluate("[type(edit).__name__ + ' ' + edit.level for edit in w.session.edits][-1]")
         if int(book.evaluate("len(w.session.edits)")) != n + 1 or done != f"'{step['kind']} {step['level']}'":
             raise AssertionError(f"the mouse meant {step}, but {done} was done")
@@ -227,7 +227,9 @@ def main() -> None:
     ):
         browser = playwright.chromium.launch(executable_path=conftest.find_chromium(), args=conftest.FLAGS)
         for name in scans:
-            book = conftest.Notebook(browser.new_page(viewport={"width": 1300, "height": 1000}), server)
+            page = browser.new_page(viewport={"width": 1300, "height": 1000})
+            page.set_default_timeout(300_000)  # large scans take their time
+            book = conftest.Notebook(page, server)
             try:
                 correct(book, name, arguments.target, arguments.most)
                 if arguments.picture:

@@ -115,7 +115,9 @@ def laboratory():
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=conftest.FLAGS)
         try:
-            yield next(server), browser.new_context(viewport={"width": 1100, "height": 900})
+            context = browser.new_context(viewport={"width": 1100, "height": 900})
+            context.set_default_timeout(300_000)  # large scans take their time
+            yield next(server), context
         finally:
             browser.close()
             next(server, None)
@@ -132,10 +134,10 @@ def measure(server, context, path: Path) -> dict[str, str]:
     book.open([CELL.format(path=str(path)), SHOW])
     run = "() => window.jupyterapp.commands.execute('notebook:run-cell-and-select-next')"
     book.page.evaluate(run)
-    book.wait_for("'halves' in globals()", True, timeout=120)
+    book.wait_for("'halves' in globals()", True)
     began = time.perf_counter()
     book.page.evaluate(run)
-    view = book.view(timeout=120)
+    view = book.view()
     first = time.perf_counter() - began
     view.settle()
     book.page.wait_for_timeout(3000)  # the stand-in for movements is made meanwhile
