@@ -192,20 +192,20 @@ def free_port() -> int:
 
 
 @pytest.fixture(scope="session")
-def browser(chromium: str) -> Iterator[Any]:
-    """Chromium with WebGL in software, the same everywhere."""
+def chromiums(chromium: str) -> Iterator[Any]:
+    """Starts Chromium with WebGL in software, the same everywhere."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
-        yield browser
-        browser.close()
+        yield playwright.chromium
 
 
 @pytest.fixture(scope="session")
-def profile(browser: Any) -> Iterator[Any]:
-    """One browser profile for all tests, so that JupyterLab comes out of its cache."""
-    context = browser.new_context()
+def profile(chromiums: Any, chromium: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """One browser profile for all tests, on disk, so that JupyterLab comes out of its cache, compiled."""
+    context = chromiums.launch_persistent_context(
+        tmp_path_factory.mktemp("profile"), executable_path=chromium, args=FLAGS
+    )
     context.set_default_timeout(1000 * PATIENCE_SECONDS)
     yield context
     context.close()
@@ -213,10 +213,13 @@ def profile(browser: Any) -> Iterator[Any]:
 
 @pytest.fixture
 def notebook(jupyter: Server, profile: Any) -> Iterator[Callable[..., Notebook]]:
-    """Opens notebooks: `notebook(["cell", ...], width=1100, height=900)`; closes them and their kernels."""
+    """Opens notebooks: `notebook(["cell", ...], width=1100, height=900)`; closes them and their kernels.
+
+    In place of cells, it takes the path of a notebook and opens a copy.
+    """
     opened: list[Notebook] = []
 
-    def open_notebook(cells: list[str], *, width: int = 1100, height: int = 900) -> Notebook:
+    def open_notebook(cells: list[str] | Path, *, width: int = 1100, height: int = 900) -> Notebook:
         page = profile.new_page()
         page.set_viewport_size({"width": width, "height": height})
         book = Notebook(page, jupyter)
@@ -246,28 +249,16 @@ class Notebook:
     server: Server
     errors: list[str] = field(default_factory=list)
 
-    def open(self, cells: list[str]) -> None:
-        """Write the cells into a file and open it, until its kernel answers."""
-        source = [
-            {
-                "cell_type": "code",
-                "source": cell,
-                "metadata": {},
-                "outputs": [],
-                "execution_count": None,
-                "id": f"c{i}",
-            }
-            for i, cell in enumerate(cells)
-        ]
-        kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
+    def open(self, cells: list[str] | Path) -> None:
+        """Write the cells into a file, or copy one with its images; open it, until its kernel answers."""
         name = f"{secrets.token_hex(4)}/test.ipynb"  # in a folder of its own: edits are saved beside it
-        content = {"cells": source, "metadata": kernel, "nbformat": 4, "nbformat_minor": 5}
-        (self.server.folder / name).parent.mkdir()
-        (self.server.folder / name).write_text(json.dumps(content))
-        self.open_file(name)
-
-    def open_file(self, name: str) -> None:
-        """Open a notebook of the server's folder."""
+        path = self.server.folder / name
+        path.parent.mkdir()
+        if isinstance(cells, Path):
+            shutil.copy(cells, path)
+            shutil.copytree(cells.parent / "images", path.parent / "images")
+        else:
+            path.write_text(json.dumps(notebook_of(cells)))
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("console", self._listen)
         self.page.goto(self.address(name))
@@ -425,6 +416,18 @@ def until(
 def difference(one: np.ndarray, other: np.ndarray) -> float:
     """Share of the pixels, between the bars, that are clearly different."""
     return float((np.abs(one[60:-60].astype(int) - other[60:-60]) > 20).mean())
+
+
+def notebook_of(cells: Sequence[str]) -> dict[str, Any]:
+    """What is in the file of a notebook with these cells."""
+    empty = {"cell_type": "code", "metadata": {}, "outputs": [], "execution_count": None}
+    kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    return {
+        "cells": [{**empty, "source": cell, "id": f"c{i}"} for i, cell in enumerate(cells)],
+        "metadata": {"kernelspec": kernel},
+        "nbformat": 4,
+        "nbformat_minor": 5,
+    }
 
 
 def _answers(url: str) -> bool:

@@ -9,7 +9,7 @@ import textwrap
 
 import pytest
 from cells import LABELLED
-from conftest import Notebook, Server, View, serve
+from conftest import Notebook, Server, View, notebook_of, serve
 from editing_page import WIDGET, Editor
 from test_view import colors
 
@@ -56,14 +56,13 @@ def book(classic, profile):
         return opened
 
     yield open_book
-    assert [error for error in opened.errors if "scenewidget" in error or "WebGL" in error] == []
     opened.close()
+    assert [error for error in opened.errors if "scenewidget" in error or "WebGL" in error] == []
 
 
 def test_notebook_7_shows_points_and_tells_python(book):
     opened = book([LABELLED + "view"])
     view = opened.view()
-    view.settle()
     assert colors(view.pixels()) >= 3
     part, place = next((part, place) for part, place in view.parts().items() if part)
     view.point(*place)
@@ -102,13 +101,7 @@ def voila(tmp_path_factory, chromium):
 
 
 def test_voila_shows_points_and_tells_python(voila, profile):
-    cell = {
-        **{"cell_type": "code", "id": "c0", "metadata": {}, "outputs": [], "execution_count": None},
-        "source": LABELLED + TELLING,
-    }
-    kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
-    content = {"cells": [cell], "metadata": kernel, "nbformat": 4, "nbformat_minor": 5}
-    (voila.folder / "room.ipynb").write_text(json.dumps(content))
+    (voila.folder / "room.ipynb").write_text(json.dumps(notebook_of([LABELLED + TELLING])))
     page = profile.new_page()
     page.set_viewport_size({"width": 1100, "height": 700})
     errors = []
@@ -118,8 +111,7 @@ def test_voila_shows_points_and_tells_python(voila, profile):
     root.wait_for()
     view = View(page, root)
     view.wait("ready", "true")
-    view.settle()
-    assert view.state("live") == "true"
+    view.wait("live", "true")
     assert colors(view.pixels()) >= 3
     part, place = next((part, place) for part, place in view.parts().items() if part)
     view.point(*place)
@@ -173,7 +165,6 @@ def test_marimo_shows_points_and_tells_python(tmp_path, profile):
         root.wait_for()
         view = View(page, root)
         view.wait("ready", "true")
-        view.settle()
         assert colors(view.pixels()) >= 3
         part, place = next((part, place) for part, place in view.parts().items() if part)
         view.point(*place)

@@ -1,6 +1,5 @@
 """Notebook 01 as a reader goes through it: run it, look at the room, move a slider."""
 
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +13,8 @@ def colours(pixels: np.ndarray) -> int:
     return int((np.bincount(coarse) > coarse.size / 100).sum())
 
 
-def test_notebook_01_segments_the_room(notebook, jupyter):
-    shutil.copy(NOTEBOOK, jupyter.folder)
-    shutil.copytree(NOTEBOOK.parent / "images", jupyter.folder / "images", dirs_exist_ok=True)
-    book = notebook(["None"], height=1000)
-    book.open_file(NOTEBOOK.name)
+def test_notebook_01_segments_the_room(notebook):
+    book = notebook(NOTEBOOK, height=1000)
     book.run_all()
     view = book.view()
     view.page.wait_for_function(
@@ -30,7 +26,6 @@ def test_notebook_01_segments_the_room(notebook, jupyter):
     view.wait("busy", "false")
     view.wait("segments", str(n_segments))
     assert n_segments > 10
-    view.settle()
     assert colours(view.pixels()) >= 6  # not blank, and segments differ
 
     settings = book.page.locator(".swc")

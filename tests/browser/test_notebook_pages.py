@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -43,12 +42,9 @@ def is_drawn(picture: np.ndarray) -> bool:
 
 
 @pytest.fixture
-def run(notebook, jupyter):
+def run(notebook):
     def run_all(name: str):
-        path = next(FOLDER.glob(f"{name}*.ipynb"))
-        shutil.copy(path, jupyter.folder)
-        book = notebook(["None"], height=1000)
-        book.open_file(path.name)
+        book = notebook(next(FOLDER.glob(f"{name}*.ipynb")), height=1000)
         book.run_all()
         book.page.wait_for_function(DONE)
         return book

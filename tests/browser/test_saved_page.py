@@ -15,8 +15,18 @@ NAMES = {0: "</script><script>window.harm = 2</script>", 1: "ceiling & <b>lamp</
 
 
 @pytest.fixture
-def saved(browser, tmp_path):
-    """The labelled room as a page, opened from disk with the network cut off."""
+def page(profile):
+    """A page without a network."""
+    page = profile.new_page()
+    profile.set_offline(True)
+    yield page
+    page.close()
+    profile.set_offline(False)
+
+
+@pytest.fixture
+def saved(page, tmp_path):
+    """The labelled room as a page, opened from disk."""
     scope = {}
     exec(LABELLED, scope)
     view = scope["view"]
@@ -24,8 +34,6 @@ def saved(browser, tmp_path):
     view.editable, view.mode, view.busy, view.error = True, "edit", True, "wrong"
     path = view.to_html(tmp_path / "room.html", title=TITLE)
     assert path.stat().st_size < 1_000_000
-    context = browser.new_context(offline=True)
-    page = context.new_page()
     page.set_viewport_size({"width": 1000, "height": 640})
     errors, requests = [], []
     page.on("pageerror", lambda error: errors.append(str(error)))
@@ -40,7 +48,6 @@ def saved(browser, tmp_path):
     yield shown
     assert errors == []
     assert [url for url in requests if not url.startswith(("file:", "blob:", "data:"))] == []
-    context.close()
 
 
 def test_it_shows_what_was_saved_and_names_do_no_harm(saved):
