@@ -16,7 +16,20 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-__all__ = ["FileLock", "explain", "replacing", "sync_folder"]
+__all__ = ["FileLock", "checked_path", "explain", "replacing", "sync_folder"]
+
+
+def checked_path(path: object) -> Path:
+    """A path out of a str or a path-like object.
+
+    Raises
+    ------
+    TypeError
+        Something else; the message says ``path``.
+    """
+    if not isinstance(path, (str, os.PathLike)):
+        raise TypeError(f"path must be a str or a Path, got {type(path).__name__}")
+    return Path(path)
 
 
 @contextlib.contextmanager
@@ -61,9 +74,10 @@ def explain(error: OSError, path: Path) -> OSError:
         errno.EPERM: "you have no permission; choose another place",
         errno.ENOENT: "its folder does not exist; make it first",
         errno.ENOTDIR: "its folder is no folder; choose another place",
+        errno.EISDIR: "it is a folder; name a file in it",
     }
     reason = reasons.get(error.errno or 0, error.strerror or str(error))
-    stays = "; the file that was there is untouched" if path.exists() else ""
+    stays = "; the file that was there is untouched" if path.is_file() else ""
     message = f"can't write {str(path)!r}: {reason}{stays}"
     return type(error)(error.errno, message) if error.errno else OSError(message)
 
@@ -140,8 +154,8 @@ def _describe(descriptor: int) -> str:
         data = json.loads(os.read(descriptor, 500))
         process, computer = int(data["process"]), str(data["computer"])[:60]
     except (OSError, ValueError, TypeError, KeyError):
-        return "another process"
-    return f"process {process} on {computer!r}"
+        return "another kernel or script"
+    return f"another kernel or script (process {process} on {computer!r})"
 
 
 if os.name == "posix":

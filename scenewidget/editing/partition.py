@@ -202,7 +202,8 @@ class Partition:
         if home < 0:
             raise EditError(f"face {edit.face} is unlabelled: there is no segment to name")
         if self.names.get(home, "") == edit.name:
-            raise EditError(f"the segment under face {edit.face} is called {edit.name!r} already")
+            has = f"is called {edit.name!r} already" if edit.name else "has no name"
+            raise EditError(f"the segment under face {edit.face} {has}")
         change = self._change(np.empty(0, dtype=np.int64))
         self.names = {**self.names, home: edit.name}
         if not edit.name:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from scenewidget.editing.edits import Cut, Edit, EditError, Merge, Relabel, Split
+from scenewidget.editing.files import checked_path
 from scenewidget.editing.fingerprint import fingerprint, living_mesh
 from scenewidget.editing.partition import Change, Partition
 from scenewidget.editing.project import Operation, Project, ProjectError, read_log
@@ -181,13 +182,8 @@ class Session:
         params: Params | None = None,
         vocabulary: str | Sequence[str] = NYU40,
     ) -> None:
-        if not isinstance(segmentation, Segmentation):
-            raise TypeError(
-                f"segmentation must be a Segmentation, got {type(segmentation).__name__}; "
-                "Segmentation.from_labels(mesh, labels) makes one"
-            )
-        if params is not None and not isinstance(params, Params):
-            raise TypeError(f"params must be a Params, got {type(params).__name__}")
+        _check_segmentation(segmentation)
+        _check_params(params)
         self.mesh: Mesh = load_mesh(mesh)
         self._source = self.mesh.source
         self._params = params
@@ -337,6 +333,8 @@ class Session:
 
     def go_to(self, n_edits: int) -> None:
         """Undo or redo until ``n_edits`` edits are done: walk the history."""
+        if isinstance(n_edits, bool) or not hasattr(n_edits, "__index__"):
+            raise TypeError(f"n_edits must be a whole number, got {n_edits!r:.200}")
         with self._lock:
             most = len(self._done) + len(self._undone)
             if not 0 <= n_edits <= most:
@@ -361,8 +359,8 @@ class Session:
             The edits that don't apply to it, each with its ``problem``. They stay in the history and
             apply again as soon as a segmentation comes that they fit.
         """
-        if params is not None and not isinstance(params, Params):
-            raise TypeError(f"params must be a Params, got {type(params).__name__}")
+        _check_segmentation(segmentation)
+        _check_params(params)
         with self._lock:
             partition = Partition(_of_mesh(segmentation, self.mesh), self._partition.known_cuts)
             self._partition, self._params = partition, params
@@ -508,8 +506,11 @@ class Session:
         EditError
             The face belongs to no part of that level.
         """
+        if action not in ("merge", "split"):
+            raise ValueError(f"action must be 'merge' or 'split', got {action!r:.200}")
+        there = Split(face, level)
         with self._lock:
-            return self._partition.part(face, level, action=action)
+            return self._partition.part(there.face, there.level, action=action)
 
     def suggestions(self, n: int = 10) -> list[Suggestion]:
         """The merges and splits that are most worth looking at, the largest expected gain first.
@@ -556,6 +557,8 @@ class Session:
 
         It is called in the thread that made the change, after the change is complete.
         """
+        if not callable(callback):
+            raise TypeError(f"callback must be callable as callback(event), got {type(callback).__name__}")
         with self._lock:
             self._observers.append(callback)
 
@@ -665,7 +668,7 @@ class Session:
         with self._lock:
             if path is None and self._file is None:
                 raise ValueError("the session has no file yet: save('room.swproj')")
-            target = self._file.path if path is None and self._file is not None else Path(path or "")
+            target = self._file.path if path is None and self._file is not None else checked_path(path)
             same = self._file is not None and self._file.is_at(target)
             if same and self._file is not None and not self._file.read_only and not include_mesh:
                 self._flush()
@@ -714,7 +717,7 @@ class Session:
             Damaged, no project, of a newer version, of another mesh than the one given (the message names
             both), or without any mesh to be found (the message says how to give it). A ValueError.
         """
-        file = ProjectFile.open(Path(path))
+        file = ProjectFile.open(checked_path(path))
         try:
             project = file.load(recover=recover)
             if mesh is not None:
@@ -838,7 +841,7 @@ class Session:
             self._n_durable, self._file_problem, self._must_renew = len(self._operations), "", False
 
     def _taken_over(self) -> None:
-        self._file_problem = "another session of this process has taken the file over"
+        self._file_problem = "a newer session has taken the file over"
         self._tell(self._event("file", None))
 
     def _event(self, kind: EventKind, step: Step | None) -> Event:
@@ -850,6 +853,19 @@ class Session:
     def _tell(self, event: Event) -> None:
         for callback in list(self._observers):
             callback(event)
+
+
+def _check_segmentation(segmentation: Any) -> None:
+    if not isinstance(segmentation, Segmentation):
+        raise TypeError(
+            f"segmentation must be a Segmentation, got {type(segmentation).__name__}; "
+            "Segmentation.from_labels(mesh, labels) makes one"
+        )
+
+
+def _check_params(params: Any) -> None:
+    if params is not None and not isinstance(params, Params):
+        raise TypeError(f"params must be a Params, got {type(params).__name__}; write Params(n_segments=…)")
 
 
 def _of_mesh(segmentation: Segmentation, mesh: Mesh) -> Segmentation:

@@ -129,7 +129,7 @@ class ProjectFile:
         """
         path = path.absolute()
         if path.is_dir():
-            raise IsADirectoryError(errno.EISDIR, f"can't write {str(path)!r}: it is a folder")
+            raise explain(IsADirectoryError(errno.EISDIR, ""), path)
         lock = replaces._lock if replaces is not None and replaces.is_at(path) else None
         if lock is None:
             other = _open_files.get(_key(path))
@@ -238,7 +238,7 @@ class ProjectFile:
 
     def _surrender(self) -> None:
         self.close()
-        self.read_only_reason = "another session of this process has taken it over"
+        self.read_only_reason = "a newer session has taken it over"
         callback = None if self.on_takeover is None else self.on_takeover()
         if callback is not None:
             callback()

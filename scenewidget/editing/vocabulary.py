@@ -68,7 +68,10 @@ def checked_vocabulary(names: Iterable[str]) -> tuple[str, ...]:
     """
     if isinstance(names, str) or not isinstance(names, Iterable):
         raise TypeError(f"vocabulary must be a sequence of names, got {names!r:.200}")
-    checked = tuple(dict.fromkeys(checked_name(name) for name in names))
+    try:
+        checked = tuple(dict.fromkeys(checked_name(name) for name in names))
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"vocabulary holds a name that no segment can have: {error}") from None
     if "" in checked:
         raise ValueError("vocabulary holds an empty name")
     if len(checked) > 10_000:

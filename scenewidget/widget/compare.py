@@ -27,7 +27,7 @@ from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scoring import Scorer, disagreement, score_rows
 from scenewidget.widget.settings import params_code
 from scenewidget.widget.stages import STAGE_NAMES
-from scenewidget.widget.worker import Worker
+from scenewidget.widget.worker import Worker, checked_timeout
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -119,7 +119,7 @@ class Compare(widgets.VBox):
         columns = [widgets.VBox(pair, layout=half) for pair in zip(self._titles, self.views)]
         row = widgets.Box(columns, layout={"flex_flow": "row wrap", "width": "100%"})
         super().__init__([row, self._table], a=a, b=b)
-        self.observe(self._take_side, ["a", "b"])
+        self.observe(lambda _: self._compute(), ["a", "b"])
         self._compute()
 
     def __repr__(self) -> str:
@@ -143,8 +143,9 @@ class Compare(widgets.VBox):
         RuntimeError
             It was cancelled.
         """
+        timeout = checked_timeout(timeout)
         if not self._worker.wait(timeout):
-            raise TimeoutError(f"still computing after {timeout:g} seconds")
+            raise TimeoutError(f"still computing after {timeout:g} seconds; wait(None) waits for ever")
         with self._lock:
             if self._error is not None:
                 raise self._error
@@ -172,14 +173,9 @@ class Compare(widgets.VBox):
             return evaluate({"B": second}, first, self.mesh)
         return evaluate({"A": first, "B": second}, self._scorer.truth, self.mesh)
 
-    def _take_side(self, change: dict[str, Any]) -> None:
-        try:
-            _checked(change["name"], change["new"], self.mesh)
-        except ValueError:
-            self.set_trait(change["name"], change["old"])
-            raise
-        if change["new"] is not change["old"]:
-            self._compute()
+    @traitlets.validate("a", "b")
+    def _check_side(self, proposal: Any) -> Side:
+        return _checked(proposal["trait"].name, proposal["value"], self.mesh)
 
     def _compute(self) -> None:
         sides = (self.a, self.b)
@@ -262,7 +258,10 @@ def _checked(name: str, side: Any, mesh: Mesh) -> Side:
     if side is None:
         return Params()
     if not isinstance(side, (Params, Segmentation)):
-        raise TypeError(f"{name} must be Params or a Segmentation, got {type(side).__name__}")
+        raise TypeError(
+            f"{name} must be Params or a Segmentation, got {type(side).__name__}; "
+            "Segmentation.from_labels(mesh, labels) makes one"
+        )
     if isinstance(side, Segmentation) and not (
         side.mesh is mesh or np.array_equal(side.mesh.faces, mesh.faces)
     ):

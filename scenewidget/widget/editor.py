@@ -19,7 +19,7 @@ from scenewidget.editing.vocabulary import NYU40, quick_names
 from scenewidget.engine.mesh import IntArray
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation
-from scenewidget.widget.keeper import Keeper
+from scenewidget.widget.keeper import Keeper, spoken
 from scenewidget.widget.scene_view import SceneView
 
 __all__ = ["Editor"]
@@ -96,7 +96,7 @@ class Editor:
             try:
                 self._keeper.choose(str(message.get("notice")), str(message.get("action")))
             except (OSError, ValueError) as error:  # of the file; told, and nothing has changed
-                self._view.error = str(error)
+                self._view.error = spoken(error)
         elif kind == "preview_cut":
             self._preview_cut(message)
         if kind not in KINDS:
@@ -106,7 +106,7 @@ class Editor:
                 with self.gesture(message):
                     self._edit(self.session, kind, message)
         except EditError as error:
-            self.remark(str(error))
+            self.remark(spoken(error))
         except Exception as error:
             self._view.error = f"{type(error).__name__}: {error}"
             raise
@@ -139,7 +139,7 @@ class Editor:
             session.go_to(min(message["n"], most))
         elif message["revision"] < self._first_revision:
             # it names faces of parts that are no longer there
-            self.remark("Another segmentation had just come: nothing was edited")
+            self.remark("Another segmentation has just come: nothing was edited")
         elif kind == "merge":
             session.merge(message["face"], message["onto_face"], message["level"])
         elif kind == "split":
@@ -172,7 +172,7 @@ class Editor:
         try:
             written = self._keeper.save(self.session)
         except OSError as error:
-            self.remark(str(error))
+            self.remark(spoken(error))
         else:
             self.remark(f"Saved in {written.name}")
 

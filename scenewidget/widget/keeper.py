@@ -25,7 +25,7 @@ from scenewidget.editing.store import Summary, summary_of
 from scenewidget.engine.mesh import Mesh
 from scenewidget.widget.scene_view import SceneView
 
-__all__ = ["Keeper", "default_name", "newest_project"]
+__all__ = ["Keeper", "default_name", "newest_project", "spoken"]
 
 SUFFIX = ".swproj"
 DIGITS = 8  # of the fingerprint, in names of files
@@ -35,6 +35,12 @@ def default_name(mesh: Mesh) -> str:
     """Name of the project file of a scan: ``bedroom-1f3a9c02.swproj``."""
     stem = re.sub(r"[^\w.-]+", "_", Path(mesh.source).stem).strip("._")[:60]
     return f"{stem or 'scan'}-{fingerprint(mesh).digest[:DIGITS]}{SUFFIX}"
+
+
+def spoken(problem: object) -> str:
+    """What a person reads of an error: its message as a sentence, without a number."""
+    text = re.sub(r"^\[Errno \d+\] ", "", str(problem))
+    return text[:1].upper() + text[1:]
 
 
 def newest_project(mesh: Mesh, folder: Path) -> Summary | None:
@@ -64,6 +70,8 @@ class Keeper:
 
     Raises
     ------
+    ValueError
+        The path given is a folder.
     ProjectError
         The path given holds the project of another mesh, or something else.
     """
@@ -86,6 +94,11 @@ class Keeper:
         except OSError:  # it was removed
             self._folder = Path()
         self._path = None if isinstance(autosave, bool) else self._folder / Path(autosave)
+        if self._path is not None and self._path.is_dir():
+            raise ValueError(
+                f"autosave must name a file, but {str(self._path)!r} is a folder; "
+                f"try {str(self._path / default_name(view.mesh))!r}"
+            )
         self._problem = ""  # that kept the file from being made
         self._writing: threading.Thread | None = None
         self._tickets = itertools.count(1)
@@ -198,7 +211,7 @@ class Keeper:
         if session.read_only:
             state, note = "read-only", f"{note} is open read-only: {session.file_reason}"
         elif problem:
-            state, note = "failed", re.sub(r"^\[Errno \d+\] ", "", problem)
+            state, note = "failed", spoken(problem)
         elif session.is_saved:
             state = "saved"
         elif self._writing not in (None, threading.current_thread()):
@@ -211,7 +224,7 @@ class Keeper:
             self._told = ticket
             self._view.save_state, self._view.save_note = state, note
             if state == "failed":
-                text = f"{_sentence(note)}. Your edits are in memory only"
+                text = f"{note}. Your edits are in memory only"
                 self._put_notice("file", text, [("Try again", "save")])
             elif state == "read-only":
                 text = f"{note}. Your edits are in memory only"
@@ -267,7 +280,3 @@ def _newest(summaries: Iterable[Summary], mesh: Mesh) -> Summary | None:
 
 def _steps(n: int) -> str:
     return f"{n} step" if n == 1 else f"{n} steps"
-
-
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:]

@@ -124,6 +124,7 @@ import numpy.typing as npt
 import traitlets
 from scipy import sparse
 
+from scenewidget.editing.files import checked_path, replacing
 from scenewidget.engine.atoms import Atoms, common_refinement
 from scenewidget.engine.family import Family
 from scenewidget.engine.items import Items
@@ -144,6 +145,7 @@ __all__ = ["SceneView"]
 
 SAVE_STATES = ("", "unsaved", "saving", "saved", "failed", "read-only")
 WHOLE = [(0.0, 1.0)] * 3
+LEAST_HEIGHT = 120
 N_SPARE = 6  # colours for segments that the browser makes before Python knows of them
 MAX_CLIENTS = 32  # pages that show a view at the same time
 NOT_SAVED = {"face_item", "preview_segment", "preview_colors", "face_piece", "family_merges", "family_colors"}
@@ -190,7 +192,7 @@ class SceneView(anywidget.AnyWidget):
     suggestion: Any = traitlets.Dict(read_only=True).tag(sync=True)
     errors_title = traitlets.Unicode(read_only=True).tag(sync=True)
     camera_group = traitlets.Unicode().tag(sync=True)
-    height = traitlets.Int(560, min=120).tag(sync=True)
+    height = traitlets.Int(560, min=LEAST_HEIGHT).tag(sync=True)
     busy = traitlets.Bool(False).tag(sync=True)
     progress = traitlets.Float(0.0, min=-1.0, max=1.0).tag(sync=True)
     status = traitlets.Unicode().tag(sync=True)
@@ -246,6 +248,11 @@ class SceneView(anywidget.AnyWidget):
             raise TypeError(
                 f"SceneView has no option {unknown[0]!r}; there are: {', '.join(_option_names())}"
             )
+        height = options.get("height", 560)
+        if isinstance(height, bool) or not isinstance(height, int):
+            raise TypeError(f"height must be a whole number of pixels, got {height!r:.200}")
+        if height < LEAST_HEIGHT:
+            raise ValueError(f"height must be at least {LEAST_HEIGHT} pixels, got {height}")
         self.mesh = mesh
         self._atoms: Atoms | None = None
         self._atom_faces: FloatArray = np.zeros(0)  # number of faces of each atom
@@ -275,6 +282,14 @@ class SceneView(anywidget.AnyWidget):
         for low, high in proposal["value"]:
             if not 0.0 <= low < high <= 1.0:
                 raise ValueError(f"section must hold pairs 0 <= low < high <= 1, got ({low:g}, {high:g})")
+        return proposal["value"]
+
+    @traitlets.validate("level")
+    def _check_level(self, proposal: Any) -> Any:
+        if self.levels and proposal["value"] not in self.levels:
+            raise ValueError(
+                f"level must be one of {', '.join(map(repr, self.levels))}, got {proposal['value']!r:.200}"
+            )
         return proposal["value"]
 
     @traitlets.validate("up")
@@ -316,6 +331,8 @@ class SceneView(anywidget.AnyWidget):
             What stays of a segment when an edit numbers them anew: over the calls of `set_segments` that
             follow, the same id keeps its colour.
         """
+        if not isinstance(levels, Mapping):
+            raise TypeError(f"levels must map names to labels, got {type(levels).__name__}")
         checked = {name: self._checked(f"levels[{name!r}]", labels) for name, labels in levels.items()}
         segments = self._checked("segments", segments)
         atoms = common_refinement([*checked.values(), segments], self.mesh.n_faces)
@@ -380,6 +397,15 @@ class SceneView(anywidget.AnyWidget):
         keeps_ids : bool
             Whether ids mean what they meant in the last call, so that the same id keeps its colour.
         """
+        if names is not None and not isinstance(names, Mapping):
+            raise TypeError(f"names must map segments to names, got {type(names).__name__}")
+        segments = np.asarray(segments)
+        n_rows = int(segments.max(initial=-1)) + 1
+        sure = None if confidence is None else np.asarray(confidence, np.float64)
+        if sure is not None and sure.shape != (n_rows,):
+            raise ValueError(f"confidence must have shape ({n_rows},), one a segment, got {sure.shape}")
+        if ids is not None and len(ids) != n_rows:
+            raise ValueError(f"ids must have shape ({n_rows},), one a segment, got ({len(ids)},)")
         if not keeps_ids:
             self._row_of_id = {}
         with self.hold_sync():
@@ -398,8 +424,8 @@ class SceneView(anywidget.AnyWidget):
                 self._put("atom_part", np.array(rows, np.uint32).reshape(len(rows), atoms.n))
                 if self.level not in parts:
                     self.level = "final" if "final" in parts else next(reversed(list(parts)), "")
-            self._show_segments(np.asarray(segments), before, names, confidence, ids)
-            self._put("atom_confidence", self._confidence_codes(confidence, atom_confidence))
+            self._show_segments(segments, before, names, sure, ids)
+            self._put("atom_confidence", self._confidence_codes(sure, atom_confidence))
             if self.color_by in ("scan", "shaded") and self.revision == 1:
                 self.color_by = "segments"
 
@@ -455,7 +481,10 @@ class SceneView(anywidget.AnyWidget):
         low, high : float, optional
             Ends of the colour map; the smallest and the largest finite value by default.
         """
-        numbers = np.asarray(values, np.float64)
+        try:
+            numbers = np.asarray(values, np.float64)
+        except (TypeError, ValueError):
+            raise TypeError(f"values must be numbers, got {np.asarray(values).dtype}") from None
         if numbers.shape != (self.mesh.n_faces,):
             raise ValueError(
                 f"values must have shape ({self.mesh.n_faces},), one a face, got {numbers.shape}"
@@ -463,8 +492,8 @@ class SceneView(anywidget.AnyWidget):
         finite = numbers[np.isfinite(numbers)]
         low = float(finite.min(initial=math.inf) if low is None else low) if len(finite) else 0.0
         high = float(finite.max(initial=-math.inf) if high is None else high) if len(finite) else 1.0
-        if low > high:
-            raise ValueError(f"low must not be above high, got {low:g} and {high:g}")
+        if not -math.inf < low <= high < math.inf:
+            raise ValueError(f"low must not be above high, and both finite, got {low:g} and {high:g}")
         scaled = np.clip((numbers - low) / ((high - low) or 1.0), 0.0, 1.0)
         with self.hold_sync():
             self._put("face_value", _codes(np.where(np.isfinite(numbers), scaled, np.nan)))
@@ -520,6 +549,8 @@ class SceneView(anywidget.AnyWidget):
         A segment of a coarser cut has the colour of the largest that it is made of, and those of the
         family's own segmentation have the colours that they are shown in now.
         """
+        if family is not None and not isinstance(family, Family):
+            raise TypeError(f"family must be a Family or None, got {type(family).__name__}")
         with self.hold_sync():
             if family is None:
                 self._put("family_merges", np.zeros(0, np.uint32))
@@ -586,7 +617,15 @@ class SceneView(anywidget.AnyWidget):
         Returns
         -------
         path : Path
+
+        Raises
+        ------
+        OSError
+            It can't be written; the file that was there is untouched.
         """
+        path = checked_path(path)
+        if not isinstance(title, str):
+            raise TypeError(f"title must be a text, got {type(title).__name__}")
         arrays = {
             name: np.frombuffer(getattr(self, f"_{name}"), header["dtype"]).reshape(header["shape"])
             for name, header in self._headers.items()
@@ -602,8 +641,8 @@ class SceneView(anywidget.AnyWidget):
             style=bundled("scene_view.css"),
             title=title or repr(self),
         )
-        path = Path(path)
-        path.write_text(page, encoding="utf-8")
+        with replacing(path) as temporary:
+            temporary.write_text(page, encoding="utf-8")
         return path
 
     def _checked(self, name: str, labels: IntArray) -> IntArray:
@@ -627,15 +666,10 @@ class SceneView(anywidget.AnyWidget):
         table: IntArray,
         before: tuple[Atoms, IntArray] | None,
         names: Mapping[int, str] | None,
-        confidence: npt.ArrayLike | None,
+        confidence: FloatArray | None,
         ids: IntArray | None,
     ) -> None:
         n_rows = int(table.max(initial=-1)) + 1
-        sure = np.zeros(0) if confidence is None else np.asarray(confidence)
-        if confidence is not None and sure.shape != (n_rows,):
-            raise ValueError(f"confidence must have shape ({n_rows},), one a segment, got {sure.shape}")
-        if ids is not None and len(ids) != n_rows:
-            raise ValueError(f"ids must have shape ({n_rows},), one a segment, got ({len(ids)},)")
         sizes = np.bincount(table + 1, self._atom_faces, n_rows + 1)[1:]
         shares = sizes / self.mesh.n_faces
         known, lasting = np.full(n_rows, -1), ids if self._row_of_id else None
@@ -656,6 +690,7 @@ class SceneView(anywidget.AnyWidget):
         self._table = table
         self._put("atom_segment", _unlabelled_as_most(table))
         self._put("segment_colors", palette()[np.concatenate([self._color_rows, self._spare_rows])])
+        sure = np.zeros(0) if confidence is None else confidence
         self._put("segment_confidence", sure.astype(np.float32))
         self.set_trait("n_segments", int(np.count_nonzero(sizes)))
         self.set_trait("segment_names", {str(segment): str(name) for segment, name in (names or {}).items()})
@@ -668,14 +703,16 @@ class SceneView(anywidget.AnyWidget):
         if confidence is None:
             return None, None
         given, n = np.asarray(confidence, np.float64), int(table.max(initial=-1)) + 1
-        if given.shape == (n,):
-            return given, None
         n_faces = self.mesh.n_faces
-        if given.shape != (n_faces,):
+        if given.shape not in ((n,), (n_faces,)):
             raise ValueError(
                 f"confidence must have shape ({n_faces},), one a face, or ({n},), one a segment, "
                 f"got {given.shape}"
             )
+        if (given < 0).any() or (given > 1).any():
+            raise ValueError(f"confidence must lie in 0..1, got {given.min():g} to {given.max():g}")
+        if given.shape == (n,):
+            return given, None
         areas, is_labelled = self.mesh.face_areas, table >= 0
         area = np.bincount(atoms.face_atom, areas, atoms.n)
         sure = np.bincount(atoms.face_atom, areas * given, atoms.n)
@@ -685,10 +722,10 @@ class SceneView(anywidget.AnyWidget):
         return np.divide(total, whole, out=np.zeros(n), where=whole > 0), by_atom
 
     def _confidence_codes(
-        self, confidence: npt.ArrayLike | None, by_atom: FloatArray | None
+        self, confidence: FloatArray | None, by_atom: FloatArray | None
     ) -> npt.NDArray[np.uint16]:
         if by_atom is None and confidence is not None:
-            by_segment = np.append(np.asarray(confidence, np.float64), np.nan)
+            by_segment = np.append(confidence, np.nan)
             by_atom = by_segment[self._table]  # -1, unlabelled, takes the last
         return _codes(np.zeros(0) if by_atom is None else by_atom)
 

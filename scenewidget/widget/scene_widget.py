@@ -34,7 +34,7 @@ from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scoring import Scorer, score_rows
 from scenewidget.widget.stages import STAGE_NAMES
 from scenewidget.widget.suggesting import Suggesting
-from scenewidget.widget.worker import Newest, Worker
+from scenewidget.widget.worker import Newest, Worker, checked_timeout
 
 __all__ = ["SceneWidget"]
 
@@ -98,7 +98,7 @@ class SceneWidget(widgets.VBox):
     """
 
     params = traitlets.Instance(Params)
-    segmentation = _LiveSegmentation(Segmentation, allow_none=True)
+    segmentation = _LiveSegmentation(Segmentation, allow_none=True, read_only=True)
     busy = traitlets.Bool(False, read_only=True)
     scores: Any = traitlets.Dict(read_only=True)
 
@@ -113,7 +113,9 @@ class SceneWidget(widgets.VBox):
         vocabulary: str | Sequence[str] | None = None,
     ) -> None:
         if params is not None and not isinstance(params, Params):
-            raise TypeError(f"params must be a Params, got {type(params).__name__}")
+            raise TypeError(
+                f"params must be a Params, got {type(params).__name__}; write Params(n_segments=…)"
+            )
         params = params or Params()
         self.pipeline = Pipeline(mesh)
         self._scorer = None if truth is None else Scorer(self.pipeline.mesh, truth)
@@ -166,7 +168,14 @@ class SceneWidget(widgets.VBox):
         handler : callable
         names : str, list of str or All
         type : str
+
+        Raises
+        ------
+        TypeError
+            The handler can't be called.
         """
+        if not callable(handler):
+            raise TypeError(f"handler must be callable as handler(change), got {handler!r:.200}")
         super().observe(handler, names, type)
         wanted = [names] if isinstance(names, str) or names is traitlets.All else names
         if traitlets.All in wanted or "segmentation" in wanted:
@@ -198,8 +207,10 @@ class SceneWidget(widgets.VBox):
         RuntimeError
             It was cancelled before there was any result.
         """
+        timeout = checked_timeout(timeout)
         if not self._worker.wait(timeout):
-            raise TimeoutError(f"still {self.view.status or 'computing'!r} after {timeout:g} seconds")
+            stage = f" ({self.view.status})" if self.view.busy else ""
+            raise TimeoutError(f"still computing{stage} after {timeout:g} seconds; wait(None) waits for ever")
         self._scoring.wait(timeout)
         with self._lock:
             if self._error is not None:
@@ -377,7 +388,8 @@ class SceneWidget(widgets.VBox):
             seconds = time.perf_counter() - self._started
             summary = f"{segmentation.coverage:.1%} of the faces labelled, in {seconds:.1f} s"
             if lost:
-                summary += f"; {lost} of the edits don't apply to it, see session.history"
+                do = "doesn't" if lost == 1 else "don't"
+                summary += f"; {lost} of your edits {do} apply to it, the history (U) says why"
             self.controls.can_suggest = True
             self._end(summary)
         self._offer_family(params, self.pipeline.family(params))

@@ -9,6 +9,7 @@ from typing import Any
 from scenewidget.editing.edits import EditError
 from scenewidget.editing.session import Session
 from scenewidget.editing.suggestions import Suggestion
+from scenewidget.widget.keeper import spoken
 from scenewidget.widget.scene_view import SceneView
 
 __all__ = ["Suggesting"]
@@ -55,7 +56,7 @@ class Suggesting:
             try:
                 session.do(current.edit)
             except EditError as error:
-                self._remark(str(error))
+                self._remark(spoken(error))
                 session.dismiss(current)
             finally:
                 self._is_following = False

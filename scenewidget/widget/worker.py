@@ -7,6 +7,7 @@ news that it was cancelled, by callbacks from the worker's thread, never from a 
 from __future__ import annotations
 
 import logging
+import math
 import threading
 from collections.abc import Callable
 from functools import partial
@@ -14,9 +15,26 @@ from typing import Any
 
 from scenewidget.engine.monitor import Cancelled
 
-__all__ = ["Newest", "Worker"]
+__all__ = ["Newest", "Worker", "checked_timeout"]
 
 Task = Callable[[Callable[[str, float], None], threading.Event], Any]
+
+
+def checked_timeout(timeout: object) -> float | None:
+    """Seconds, or None for ever.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Something else; the message says ``timeout``.
+    """
+    if timeout is None:
+        return None
+    if isinstance(timeout, bool) or not isinstance(timeout, (int, float)):
+        raise TypeError(f"timeout must be a number of seconds or None, got {timeout!r:.200}")
+    if math.isnan(timeout):
+        raise ValueError("timeout must be a number of seconds or None, got nan")
+    return float(timeout)
 
 
 class Newest:

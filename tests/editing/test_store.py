@@ -219,7 +219,7 @@ def test_a_second_process_opens_read_only_and_says_who_has_it(tmp_path):
         print(session.read_only, session.is_saved)
     """
     lines = run(code, path, tmp_path / "mine.swproj").splitlines()
-    assert f"'room.swproj' is open read-only: process {os.getpid()} on" in lines[0]
+    assert f"'room.swproj' is open read-only: another kernel or script (process {os.getpid()} on" in lines[0]
     assert lines[1] == "True False 2"
     assert "works on it; choose another name" in lines[2]
     assert lines[3] == "False True"

@@ -158,5 +158,7 @@ def test_what_can_not_be_compared_is_refused():
     compare.wait(30)
     with pytest.raises(ValueError, match="b is of another mesh"):
         compare.b = other
-    assert compare.b is GIVEN
+    assert (compare.b, compare.busy, len(compare.segmentations)) == (GIVEN, False, 2)
+    with pytest.raises(TypeError, match="timeout must be a number of seconds or None, got 'x'"):
+        compare.wait("x")
     compare.close()

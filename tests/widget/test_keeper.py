@@ -248,6 +248,10 @@ def test_a_path_is_begun_by_scripts_too_and_not_with_another_mesh(show, mesh, fo
         sw.SceneWidget(other, SMALL, autosave="room.swproj")
     with pytest.raises(TypeError, match="autosave must be True, False or a path, got int"):
         sw.SceneWidget(mesh, SMALL, autosave=3)
+    with pytest.raises(
+        ValueError, match=r"autosave must name a file, but .* is a folder; try .*scan-\w+.swp"
+    ):
+        sw.SceneWidget(mesh, SMALL, autosave=folder)
     again = show(autosave="room.swproj")
     assert "in room.swproj" in notices(again)["offer"]
     merge(again)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -146,6 +149,7 @@ def test_a_segment_keeps_its_colour_by_its_id_and_a_new_one_gets_a_spare_one(vie
     np.testing.assert_array_equal(view.segment_colors, colors)
     with pytest.raises(ValueError, match=r"ids must have shape \(4,\), one a segment, got \(1,\)"):
         view.set_segments(quarters, ids=np.array([1]))
+    view.set_partition({"half": quarters // 2}, quarters)  # what was refused has left nothing behind
 
 
 def test_confidence_is_one_number_a_segment(view, quarters):
@@ -155,6 +159,8 @@ def test_confidence_is_one_number_a_segment(view, quarters):
     message = r"confidence must have shape \(32,\), one a face, or \(4,\), one a segment, got \(3,\)"
     with pytest.raises(ValueError, match=message):
         view.set_segments(quarters, confidence=[1, 1, 1])
+    with pytest.raises(ValueError, match=r"confidence must lie in 0\.\.1, got -1 to 2"):
+        view.set_segments(quarters, confidence=[1, 1, 2, -1])
     view.set_segments(quarters)
     assert array(view, "segment_confidence").size == 0
 
@@ -234,6 +240,21 @@ def test_wrong_labels_are_refused_before_anything_changes(view, labels, error, m
 def test_a_wrong_level_is_named(view, quarters):
     with pytest.raises(ValueError, match=r"levels\['base'\] must have shape"):
         view.set_partition({"base": quarters[1:]}, quarters)
+    with pytest.raises(TypeError, match="levels must map names to labels, got list"):
+        view.set_partition([quarters], quarters)
+    view.level = "half"  # may be chosen before there are any
+    view.set_partition({"half": quarters // 2, "final": quarters}, quarters)
+    with pytest.raises(ValueError, match="level must be one of 'half', 'final', got 'base'"):
+        view.level = "base"
+    assert view.level == "half"
+
+
+def test_names_must_be_of_segments_and_a_family_must_be_one(view, quarters):
+    with pytest.raises(TypeError, match="names must map segments to names, got list"):
+        view.set_partition({}, quarters, ["wall"])
+    assert view.revision == 0
+    with pytest.raises(TypeError, match="family must be a Family or None, got int"):
+        view.set_family(3)
 
 
 # --- colours ---
@@ -300,6 +321,10 @@ def test_wrong_values_are_refused(view):
         view.set_values(np.zeros(32), colormap="rainbow dash")
     with pytest.raises(ValueError, match="low must not be above high"):
         view.set_values(np.zeros(32), low=2, high=1)
+    with pytest.raises(ValueError, match="both finite, got nan and 1"):
+        view.set_values(np.ones(32), low=np.nan)
+    with pytest.raises(TypeError, match="values must be numbers, got <U1"):
+        view.set_values(["a"] * 32)
     assert view.color_by == "shaded"
 
 
@@ -316,6 +341,28 @@ def test_a_section_that_is_none_is_refused(view, section):
 def test_only_a_mesh_can_be_shown():
     with pytest.raises(TypeError, match="mesh must be a Mesh, got str"):
         SceneView("scan.ply")
+
+
+@pytest.mark.parametrize(("height", "error"), [("tall", TypeError), (400.5, TypeError), (5, ValueError)])
+def test_a_height_is_a_number_of_pixels(height, error):
+    with pytest.raises(error, match=r"height must be .* pixels, got"):
+        SceneView(grid_square(2), height=height)
+
+
+def test_a_page_that_can_not_be_written_says_why_and_leaves_the_old_one(view, tmp_path, monkeypatch):
+    path = view.to_html(tmp_path / "view.html")
+    old = path.read_bytes()
+    with pytest.raises(TypeError, match="path must be a str or a Path, got int"):
+        view.to_html(3)
+    with pytest.raises(TypeError, match="title must be a text, got int"):
+        view.to_html(path, title=3)
+    with pytest.raises(FileNotFoundError, match="its folder does not exist; make it first"):
+        view.to_html(tmp_path / "nowhere" / "view.html")
+    full = OSError(errno.ENOSPC, "no space")
+    monkeypatch.setattr(Path, "write_text", lambda *_, **__: (_ for _ in ()).throw(full))
+    with pytest.raises(OSError, match=r"disk is full.*is untouched"):
+        view.to_html(path)
+    assert (path.read_bytes(), [entry.name for entry in tmp_path.iterdir()]) == (old, ["view.html"])
 
 
 def test_an_unknown_option_is_named_with_those_there_are():

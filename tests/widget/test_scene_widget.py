@@ -7,6 +7,7 @@ import weakref
 import numpy as np
 import pytest
 import shapes
+import traitlets
 
 import scenewidget as sw
 from scenewidget.widget.worker import Worker
@@ -280,7 +281,7 @@ def test_an_edit_that_makes_no_sense_is_explained(widget):
     assert widget.segmentation.n_segments == before.n_segments
     assert widget.view.status
     gesture(widget, kind="undo")
-    assert "nothing to undo" in widget.view.status
+    assert widget.view.status == "There is nothing to undo"
 
 
 def test_edits_survive_other_parameters(widget):
@@ -305,6 +306,35 @@ def test_edits_survive_other_parameters(widget):
 def test_bad_input_is_refused_at_once(mesh, params, error, message):
     with pytest.raises(error, match=message):
         sw.SceneWidget(mesh, params)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (
+            lambda w: w.wait("a minute"),
+            TypeError,
+            "timeout must be a number of seconds or None, got 'a minute'",
+        ),
+        (lambda w: w.wait(float("nan")), ValueError, "timeout must be a number of seconds or None, got nan"),
+        (lambda w: w.save(3), TypeError, "path must be a str or a Path, got int"),
+        (lambda w: w.restore(3), TypeError, "path must be a str or a Path, got int"),
+        (lambda w: w.restore("no.swproj"), FileNotFoundError, "no.swproj' does not exist"),
+        (lambda w: w.to_html(3), TypeError, "path must be a str or a Path, got int"),
+        (
+            lambda w: w.observe("me", "params"),
+            TypeError,
+            "handler must be callable as handler.change., got 'me'",
+        ),
+        (lambda w: setattr(w, "segmentation", w.segmentation), traitlets.TraitError, "read-only"),
+        (lambda w: setattr(w, "params", {}), traitlets.TraitError, "expected a Params, not the dict"),
+    ],
+)
+def test_what_cannot_be_asked_of_a_widget_says_why(widget, call, error, message):
+    before = widget.wait(60)
+    with pytest.raises(error, match=message):
+        call(widget)
+    assert widget.wait(60) is before
 
 
 def test_a_task_that_is_cancelled_before_it_begins_is_reported_too():

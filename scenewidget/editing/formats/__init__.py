@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from scenewidget.editing.files import checked_path
 from scenewidget.editing.fingerprint import fingerprint
 from scenewidget.editing.formats import glb, npz, plain, ply, scannet, scenenn, table
 from scenewidget.editing.formats.common import FormatError, Labels, faces_from_vertices
@@ -99,7 +100,7 @@ def export(
             f"segmentation is of another mesh: of one with {fingerprint(segmentation.mesh)}, "
             f"but mesh has {fingerprint(mesh)}"
         )
-    target = Path(path)
+    target = checked_path(path)
     name = _format_of(target, format)
     writer = _FORMATS[name].write
     if writer is None:
@@ -141,7 +142,7 @@ def import_labels(
         Damaged, not of this mesh, or without labels. A ValueError.
     """
     mesh = load_mesh(mesh)
-    source = Path(path)
+    source = checked_path(path)
     name = _format_of(source, format)
     reader = _FORMATS[name].read
     if reader is None:
