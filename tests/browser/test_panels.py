@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 from editing_page import WIDGET, Editor
 
@@ -72,3 +74,24 @@ def test_in_a_narrow_cell_panels_lie_beside_each_other(cell):
     form.wait_for()
     assert box(form)[2] <= stage[2]
     assert form.evaluate("form => form.scrollWidth <= form.clientWidth")
+
+
+def test_bars_over_the_picture_never_cover_each_other(cell):
+    editor = cell(560)
+    editor.book.execute("w.view.error = 'ValueError: wrong'")
+    editor.book.execute(
+        "w.view.notices = [{'key': 'a', 'text': 'Saved elsewhere', 'actions': [['Fetch', 'b']]}]"
+    )
+    offer = {"title": "Merge", "kind": "merge", "face": 0, "onto_face": 9, "level": "final", "number": 1}
+    editor.book.execute(f"w.view.set_trait('suggestion', {offer})")
+    suggestion = editor.root.get_by_role("toolbar", name="Suggestion")
+    suggestion.wait_for()
+    editor.root.focus()
+    editor.page.keyboard.press("c")
+    hint = editor.root.get_by_role("toolbar", name="Picked part")
+    hint.wait_for()
+    bars = [hint, suggestion, *editor.root.get_by_role("alert").all()]
+    spans = sorted((box(bar)[1], box(bar)[3]) for bar in bars)
+    assert len(spans) == 4
+    for (_, above), (below, _) in pairwise(spans):
+        assert above <= below

@@ -86,10 +86,8 @@ const TOUCH = [
 ];
 
 /** Said before the first edit. */
-export const FIRST_STEPS =
-  "Drag a part onto another to merge them  ·  right-click to split  ·  ? lists all keys";
-export const FIRST_TOUCHES =
-  "Tap a part, then what to merge it with  ·  hold to split  ·  ? lists all gestures";
+export const FIRST_STEPS = "Drag a part onto another to merge  ·  right-click to split  ·  ? for help";
+export const FIRST_TOUCHES = "Tap a part, then another to merge  ·  hold to split  ·  ? for help";
 
 /** @type {Row[]} */
 const INSIDE = [

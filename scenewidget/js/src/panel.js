@@ -184,7 +184,7 @@ export function createPanel(host, actions) {
     ["Isolate", "isolate", "Hide all other segments (I)"],
     ["Frame", "frame", "Fit this segment into the view (F)"],
   ];
-  const pickedText = element("span", { class: "sw-picked-text" });
+  const pickedText = element("span", { class: "sw-picked-text", role: "status" });
   const letGo = iconButton("close", "Let go", "Esc");
   const finish = textButton("Merge them", "Merge what is gathered (Shift + Enter)");
   const actButtons = actsOn.map(([name, what, title]) => {
@@ -197,6 +197,7 @@ export function createPanel(host, actions) {
     { class: "sw-picked", role: "toolbar", "aria-label": "Picked part", hidden: "" },
     [pickedText, ...actButtons, finish, letGo],
   );
+  const dock = element("div", { class: "sw-dock" }, [keeping.bars, error, busy, pickedBar]);
   const naming = createNaming(() => root.focus({ preventScroll: true }));
   const rubber = createRubber();
   const list = createSegmentList(actions.list);
@@ -226,20 +227,8 @@ export function createPanel(host, actions) {
     },
     [
       element("div", { class: "sw-stage" }, [
-        ...[
-          canvas,
-          preview,
-          rubber.element,
-          aim,
-          tools,
-          legend.element,
-          status,
-          pickedBar,
-          track,
-          busy,
-          error,
-        ],
-        ...[keeping.bars, steps.element, naming.element, sectionPanel.element, helpCard],
+        ...[canvas, preview, rubber.element, aim, tools, legend.element, status, track],
+        ...[steps.element, sectionPanel.element, dock, naming.element, helpCard],
       ]),
       list.element,
     ],
@@ -318,6 +307,7 @@ export function createPanel(host, actions) {
     naming,
     aim,
     preview,
+    dock,
     list,
     section: sectionPanel,
 

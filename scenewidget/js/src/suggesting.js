@@ -14,7 +14,7 @@ import { on } from "./reading.js";
  * @param {AbortSignal} around.signal
  */
 export function createSuggesting({ model, view, panel, labelling, pointing, signal }) {
-  const { root, canvas } = panel;
+  const { root } = panel;
   const text = element("span", { class: "sw-picked-text" });
   const accept = textButton("Accept", "Do this (Enter)");
   const skip = textButton("Skip", "Don't suggest this again (K)");
@@ -24,7 +24,7 @@ export function createSuggesting({ model, view, panel, labelling, pointing, sign
     { class: "sw-picked sw-suggestion", role: "toolbar", "aria-label": "Suggestion", hidden: "" },
     [text, accept, skip, close],
   );
-  canvas.parentElement?.append(bar);
+  panel.dock.append(bar);
   let shown = /** @type {any} */ ({});
   let isWaiting = false; // for Python's answer
 
