@@ -294,7 +294,7 @@ def test_normals_and_confidence_are_colours_to_choose(room):
         arg=choice.element_handle(),
     )
     choice.select_option("confidence")
-    view.root.get_by_text("0 unsure").wait_for()
+    view.root.get_by_text("≤ 0.5 unsure").wait_for()
     assert book.evaluate("view.color_by") == "'confidence'"
     choice.select_option("normals")
     view.root.get_by_text("down", exact=True).wait_for()

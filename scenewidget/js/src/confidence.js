@@ -2,12 +2,15 @@
  * How sure a segmentation is, by atom: as it crosses from Python, as a colour, and as a mean over segments.
  *
  * The colours run from a strong vermilion, where one should look, to a pale blue grey, ever lighter, so that
- * everybody can tell them apart.
+ * everybody can tell them apart. Confidence is a probability, and mostly high: up to one half, where a face
+ * rather belongs elsewhere, all are as strong, which leaves more colours to those above.
  */
 
 import { oklab } from "./palette.js";
 import { NONE } from "./partition.js";
 
+/** Up to which the colour is the same. */
+export const UNLIKELY = 0.5;
 const UNSURE = [0.56, 0.14, 0.09]; // Oklab
 const SURE = [0.93, -0.012, -0.022];
 
@@ -22,7 +25,8 @@ export function confidenceOf(code) {
  * @returns {[number, number, number]}
  */
 export function confidenceColor(value) {
-  const [lightness, a, b] = UNSURE.map((low, k) => low + value * (SURE[k] - low));
+  const t = Math.max(0, (value - UNLIKELY) / (1 - UNLIKELY));
+  const [lightness, a, b] = UNSURE.map((low, k) => low + t * (SURE[k] - low));
   return oklab(lightness, a, b);
 }
 

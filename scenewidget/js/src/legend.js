@@ -1,6 +1,6 @@
 /** What the colours mean: a bar from low to high, or a row of samples with their names. */
 
-import { confidenceColor } from "./confidence.js";
+import { confidenceColor, UNLIKELY } from "./confidence.js";
 import { element } from "./elements.js";
 import { RIGHT_COLOR, WRONG_COLOR } from "./errors.js";
 import { axisNames } from "./upright.js";
@@ -41,11 +41,11 @@ export function legendOf(model) {
       return { title, colors, ends: [numberText(low), numberText(high)] };
     }
     case "confidence": {
-      const at = (/** @type {number} */ i) => `rgb(${confidenceColor(i / (N_STOPS - 1)).join(" ")})`;
+      const at = (/** @type {number} */ i) => UNLIKELY + (i / (N_STOPS - 1)) * (1 - UNLIKELY);
       return {
         title: "Confidence",
-        colors: Array.from({ length: N_STOPS }, (_, i) => at(i)),
-        ends: ["0 unsure", "1 sure"],
+        colors: Array.from({ length: N_STOPS }, (_, i) => `rgb(${confidenceColor(at(i)).join(" ")})`),
+        ends: [`≤ ${UNLIKELY} unsure`, "1 sure"],
       };
     }
     case "errors": {

@@ -21,7 +21,7 @@ test("codes run from 1 to 65535, 0 is none", () => {
 });
 
 test("the surer, the lighter", () => {
-  const lightness = [0, 0.25, 0.5, 0.75, 1].map((value) => {
+  const lightness = [0.5, 0.6, 0.7, 0.85, 1].map((value) => {
     const [red, green, blue] = confidenceColor(value);
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue;
   });
@@ -29,6 +29,8 @@ test("the surer, the lighter", () => {
     lightness,
     [...lightness].sort((a, b) => a - b),
   );
+  assert.equal(new Set(lightness).size, 5);
+  assert.deepEqual(confidenceColor(0), confidenceColor(0.5));
   assert.ok(lightness[4] - lightness[0] > 90);
 });
 
