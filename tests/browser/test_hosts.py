@@ -160,11 +160,13 @@ def test_marimo_shows_points_and_tells_python(tmp_path, profile):
     ]
     with serve(command, tmp_path, "/health", env={"HOME": str(tmp_path)}) as url:
         page = profile.new_page()
+        page.emulate_media(color_scheme="dark")  # which marimo, light unless told otherwise, passes over
         page.goto(url)
         root = page.locator(".scenewidget")
         root.wait_for()
         view = View(page, root)
         view.wait("ready", "true")
+        view.wait("theme", "light")
         assert colors(view.pixels()) >= 3
         part, place = next((part, place) for part, place in view.parts().items() if part)
         view.point(*place)

@@ -119,3 +119,35 @@ def test_the_section_and_the_inside_work_too(saved):
     saved.page.keyboard.press("w")
     saved.settle()
     assert any(saved.parts())
+
+
+@pytest.mark.parametrize(
+    ("color", "theme"),
+    [("color(srgb 1 1 1)", "light"), ("color(srgb 0.1 0.1 0.1)", "dark"), ("oklch(0.98 0 0)", "light")],
+)
+def test_it_is_as_light_as_the_page_whatever_the_notation_of_its_colour(saved, color, theme):
+    saved.page.evaluate(
+        """color => {
+            document.body.style.backgroundColor = color;
+            for (let node = document.querySelector(".scenewidget").parentElement; node !== document.body;
+                 node = node.parentElement) node.style.backgroundColor = "transparent";
+        }""",
+        color,
+    )
+    saved.wait("theme", theme)
+    saved.page.emulate_media(color_scheme="dark" if theme == "light" else "light")
+    saved.settle()
+    assert saved.state("theme") == theme
+
+
+def test_in_a_shadow_tree_it_is_as_light_as_the_page_around(saved):
+    saved.page.evaluate(
+        """() => {
+            const [host, root] = [document.createElement("div"), document.querySelector(".scenewidget")];
+            document.body.append(host);
+            document.body.style.backgroundColor = "rgb(20 20 20)";
+            host.attachShadow({ mode: "open" }).append(root);
+            document.body.className = "changed";
+        }"""
+    )
+    saved.wait("theme", "dark")

@@ -25,15 +25,32 @@ export function watchTheme(element, callback) {
   };
 }
 
+/** What an element is in, also where that is the host of a shadow tree, as in marimo. @param {Element} element */
+function around(element) {
+  const root = element.getRootNode();
+  return element.parentElement ?? (root instanceof ShadowRoot ? root.host : null);
+}
+
 /** @param {HTMLElement} element */
 function isDarkAround(element) {
   const said = document.body.dataset.jpThemeLight;
   if (said) return said === "false";
-  for (let node = element.parentElement; node; node = node.parentElement) {
-    const [red, green, blue, alpha = 1] = (getComputedStyle(node).backgroundColor.match(/[\d.]+/g) ?? []).map(
-      Number,
-    );
-    if (alpha > 0.5 && blue !== undefined) return 0.2126 * red + 0.7152 * green + 0.0722 * blue < 110;
+  for (let node = around(element); node; node = around(node)) {
+    const [red, green, blue, alpha] = bytesOf(getComputedStyle(node).backgroundColor);
+    if (alpha > 127) return 0.2126 * red + 0.7152 * green + 0.0722 * blue < 110;
   }
   return matchMedia("(prefers-color-scheme: dark)").matches;
+}
+
+/** @type {CanvasRenderingContext2D | null} */
+let pixel = null;
+
+/** Red, green, blue and alpha from 0 to 255 of a colour in any notation of CSS. @param {string} color */
+function bytesOf(color) {
+  pixel ??= document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+  if (!pixel) return [0, 0, 0, 0];
+  pixel.clearRect(0, 0, 1, 1);
+  pixel.fillStyle = color;
+  pixel.fillRect(0, 0, 1, 1);
+  return [...pixel.getImageData(0, 0, 1, 1).data];
 }
