@@ -16,6 +16,7 @@ import shutil
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 import urllib.request
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -41,6 +42,8 @@ FLAGS = [
     "--ignore-gpu-blocklist",
     "--disable-gpu-compositing",  # of the page: without a graphics card, that costs more than WebGL itself
 ]
+# A kernel hangs for ever if somebody takes one of its ports before it does; files are its own.
+OWN_SOCKETS = ["--KernelManager.transport=ipc"] if os.name == "posix" else []
 NO_NEWS = {"@jupyterlab/apputils-extension:notification": {"fetchNews": "false", "checkForUpdates": False}}
 PATIENCE_SECONDS = 90  # a wait ends as soon as it can, but a busy machine can be slow
 PARTS = """(root, step) => {
@@ -82,7 +85,8 @@ WATCH_MESSAGES = """() => {
 }"""
 IS_IDLE = """() => window.jupyterapp?.shell.currentWidget?.context?.sessionContext
     ?.session?.kernel?.status === 'idle'"""
-HARMLESS = ("favicon", "ResizeObserver loop")  # the host's own remarks
+HARMLESS = ("favicon", "ResizeObserver loop")  # a host's own remarks
+VOILA_TROUBLES = ("ERR_NAME_NOT_RESOLVED", "ERR_INTERNET_DISCONNECTED", "shared module")  # and those of Voila
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -149,9 +153,9 @@ def lab(home: Path) -> Iterator[Server]:
         *("--ServerApp.ip=127.0.0.1", "--ServerApp.port={port}", "--ServerApp.port_retries=0"),
         *(f"--IdentityProvider.token={token}", f"--ServerApp.root_dir={folder}"),
         *(f"--LabApp.app_settings_dir={home / 'settings'}", f"--LabApp.user_settings_dir={home / 'user'}"),
-        f"--LabApp.workspaces_dir={home / 'workspaces'}",
+        *(f"--LabApp.workspaces_dir={home / 'workspaces'}", *OWN_SOCKETS),
     ]
-    own = {f"JUPYTER_{kind}_DIR": str(home / kind.lower()) for kind in ("CONFIG", "DATA", "RUNTIME")}
+    own = {f"JUPYTER_{kind}_DIR": str(home / kind.lower()) for kind in ("CONFIG", "DATA")}
     with serve(command, home, f"/api/status?token={token}", env=own) as url:
         yield Server(url, token, folder)
 
@@ -166,29 +170,34 @@ def serve(
     """
     port = free_port()
     url, log = f"http://127.0.0.1:{port}", home / "log.txt"
-    with log.open("w") as output:
-        process = subprocess.Popen(
+    with (
+        tempfile.TemporaryDirectory(prefix="sw-") as runtime,  # paths of sockets must be short
+        log.open("w") as output,
+        subprocess.Popen(
             [word.replace("{port}", str(port)) for word in command],
-            env={**os.environ, **(env or {})}, stdout=output, stderr=subprocess.STDOUT, cwd=home,
-        )  # fmt: skip
-    try:
-        deadline = time.monotonic() + PATIENCE_SECONDS
-        while not _answers(f"{url}{path}"):
-            if process.poll() is not None or time.monotonic() > deadline:
-                pytest.fail(f"{command[2]} did not start:\n{log.read_text()[-3000:]}", pytrace=False)
-            time.sleep(0.1)
-        yield url
-    finally:
-        process.terminate()
+            env={**os.environ, "JUPYTER_RUNTIME_DIR": runtime, **(env or {})},
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            cwd=home,
+        ) as process,
+    ):
         try:
-            process.wait(PATIENCE_SECONDS)  # it ends its kernels
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+            deadline = time.monotonic() + PATIENCE_SECONDS
+            while not _answers(f"{url}{path}"):
+                if process.poll() is not None or time.monotonic() > deadline:
+                    pytest.fail(f"{command[2]} did not start:\n{log.read_text()[-3000:]}", pytrace=False)
+                time.sleep(0.1)
+            yield url
+        finally:
+            process.terminate()
+            try:
+                process.wait(PATIENCE_SECONDS)  # it ends its kernels
+            except subprocess.TimeoutExpired:
+                process.kill()
 
 
 def free_port() -> int:
-    """A port for a server, none of those that the system hands out by itself, as to kernels meanwhile."""
+    """A port for a server, none of those that the system hands out by itself meanwhile."""
     while True:
         port = random.randrange(20_000, 30_000)
         with socket.socket() as probe, contextlib.suppress(OSError):
@@ -264,8 +273,7 @@ class Notebook:
             shutil.copytree(cells.parent / "images", path.parent / "images")
         else:
             path.write_text(json.dumps(notebook_of(cells)))
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.on("console", self._listen)
+        self.errors = errors_of(self.page)
         self.page.goto(self.address(name))
         self.page.wait_for_function(IS_IDLE)
         self.page.evaluate(WATCH_MESSAGES)
@@ -336,10 +344,6 @@ class Notebook:
             "() => window.jupyterapp?.shell.currentWidget?.context?.sessionContext?.shutdown()"
         )
         self.page.close()
-
-    def _listen(self, message: Any) -> None:
-        if message.type == "error" and not any(text in message.text for text in HARMLESS):
-            self.errors.append(message.text)
 
 
 @dataclass
@@ -421,6 +425,19 @@ def until(
 def difference(one: np.ndarray, other: np.ndarray) -> float:
     """Share of the pixels, between the bars, that are clearly different."""
     return float((np.abs(one[60:-60].astype(int) - other[60:-60]) > 20).mean())
+
+
+def errors_of(page: Any) -> list[str]:
+    """What goes wrong on a page from now on, but for the remarks of its host."""
+    errors: list[str] = []
+
+    def note(text: str) -> None:
+        if not any(remark in text for remark in HARMLESS):
+            errors.append(text)
+
+    page.on("pageerror", lambda error: note(str(error)))
+    page.on("console", lambda message: note(message.text) if message.type == "error" else None)
+    return errors
 
 
 def notebook_of(cells: Sequence[str]) -> dict[str, Any]:

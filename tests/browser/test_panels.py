@@ -56,6 +56,7 @@ def test_in_a_narrow_cell_panels_lie_beside_each_other(cell):
     section = editor.root.get_by_role("dialog", name="Section")
     history = editor.root.get_by_role("region", name="History")
     history.wait_for()
+    editor.view.settle()
     stage = box(editor.root)
     assert box(section)[3] <= box(history)[1]
     for panel in (section, history):
@@ -90,6 +91,7 @@ def test_bars_over_the_picture_never_cover_each_other(cell):
     editor.page.keyboard.press("c")
     hint = editor.root.get_by_role("toolbar", name="Picked part")
     hint.wait_for()
+    editor.view.settle()
     bars = [hint, suggestion, *editor.root.get_by_role("alert").all()]
     spans = sorted((box(bar)[1], box(bar)[3]) for bar in bars)
     assert len(spans) == 4

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cells import LABELLED
-from conftest import View
+from conftest import View, errors_of
 from test_view import colors
 
 import scenewidget as sw
@@ -35,9 +35,7 @@ def saved(page, tmp_path):
     path = view.to_html(tmp_path / "room.html", title=TITLE)
     assert path.stat().st_size < 1_000_000
     page.set_viewport_size({"width": 1000, "height": 640})
-    errors, requests = [], []
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    errors, requests = errors_of(page), []
     page.on("request", lambda request: requests.append(request.url))
     page.goto(path.as_uri())
     root = page.locator(".scenewidget")

@@ -5,30 +5,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import View, serve
+from conftest import OWN_SOCKETS, VOILA_TROUBLES, View, errors_of, serve
 
 NOTEBOOK = Path(__file__).parent.parent.parent / "notebooks" / "01_segment_a_room.ipynb"
-HOST = (
-    "ERR_NAME_NOT_RESOLVED",
-    "ERR_INTERNET_DISCONNECTED",
-    "favicon",
-    "shared module",
-)  # Voila's own troubles
 
 
 @pytest.fixture
 def voila(tmp_path):
     """Address of a server that shows notebook 01."""
-    command = [sys.executable, "-m", "voila", str(NOTEBOOK), "--no-browser", "--port={port}"]
+    command = [sys.executable, "-m", "voila", str(NOTEBOOK), "--no-browser", "--port={port}", *OWN_SOCKETS]
     with serve(command, tmp_path, "/voila/static/voila.js") as url:  # "/" would run the notebook
         yield url
 
 
 def test_notebook_01_works_under_voila(voila, profile):
     page = profile.new_page()
-    errors = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    errors = errors_of(page)
     page.set_viewport_size({"width": 1000, "height": 900})
     page.goto(voila)  # answers while the notebook runs
     root = page.locator(".scenewidget")
@@ -49,4 +41,4 @@ def test_notebook_01_works_under_voila(voila, profile):
         arg=[root.element_handle(), before],
     )
     page.close()
-    assert [error for error in errors if not any(text in error for text in HOST)] == []
+    assert [error for error in errors if not any(text in error for text in VOILA_TROUBLES)] == []
