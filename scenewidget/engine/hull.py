@@ -7,6 +7,7 @@ touch or not, and however the scan has bent the wall. Not in the thesis, which l
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -110,7 +111,8 @@ def join_planes(
 
     A seed is a piece of the room's hull. In order of area each seed takes the segments, other seeds
     included, whose mean normal agrees with its own and whose root mean square distance from its plane is
-    small; then those beside what it has so far that go on at the same height, for scans bend walls.
+    small; then those beside what it has so far that go on at the same height, for scans bend walls. What has
+    grown has another plane and another roughness: so pieces of the hull are compared again, until none joins.
 
     Parameters
     ----------
@@ -135,11 +137,33 @@ def join_planes(
     labels : (n_items,) int32
         Dense.
     """
+    join = partial(
+        _joined, items, smallest_seed=smallest_seed, reach=reach, shell=shell, near=near, bend=bend
+    )
+    joined = join(labels, is_hull_only=False)
+    while joined.max(initial=-1) < labels.max(initial=-1):
+        labels, joined = joined, join(joined, is_hull_only=True)
+    return joined
+
+
+def _joined(
+    items: Items,
+    labels: IntArray,
+    *,
+    smallest_seed: float,
+    reach: tuple[float, float],
+    shell: float,
+    near: float,
+    bend: float,
+    is_hull_only: bool,
+) -> IntArray:
+    """One round of `join_planes`; dense labels, fewer where segments were joined."""
     planes = segment_planes(items, labels, smallest=smallest_seed)
     scatter = items.moments.gather(labels, len(planes.areas)).scatter
     area = np.where(planes.areas > 0, planes.areas, 1.0)
     group = np.arange(len(area))
     is_free = np.ones(len(area), dtype=np.bool_)
+    may_join = planes.is_hull if is_hull_only else is_free.copy()
     for s in np.argsort(-planes.areas, kind="stable"):
         if not (is_free[s] and planes.is_hull[s]):
             continue
@@ -149,9 +173,10 @@ def join_planes(
         distance = np.sqrt(offset**2 + spread)
         facing = planes.mean_normals @ normal
         step = float(np.clip(1.5 * planes.roughness[s], *reach))
-        joins = is_free & (facing > PARALLEL) & (distance < step)
+        fits = is_free & may_join & (facing > PARALLEL)
+        joins = fits & (distance < step)
         joins[s] = True
-        beside = is_free & (facing > PARALLEL) & (distance < bend) & (planes.roughness < ROUGHNESS)
+        beside = fits & (distance < bend) & (planes.roughness < ROUGHNESS)
         _follow(items, labels, joins, beside & ~joins, normal, step=step, near=near)
         joins |= is_free & (facing < -PARALLEL) & (offset < 0) & (offset > -shell)
         group[joins] = s

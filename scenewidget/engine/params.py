@@ -48,8 +48,6 @@ _RANGES: dict[str, tuple[float, float]] = {  # inclusive
     "cost_a": (-math.inf, math.inf),
     "cost_b": (-math.inf, math.inf),
     "cost_exponent": (0, 100),
-    "hop": (0, math.inf),
-    "travel": (0, math.inf),
     "n_runs": (0, 10_000),
     "n_graph_runs": (0, 10_000),
     "merge_flatness": (0, 1),
@@ -57,6 +55,7 @@ _RANGES: dict[str, tuple[float, float]] = {  # inclusive
     "merge_seam": (-1, 1),
     "linkage_similarity": (0, 1),
     "relief": (0, math.inf),
+    "furniture_similarity": (0, 1),
     "min_area": (0, math.inf),
     "seed": (0, 2**63 - 1),
 }
@@ -135,8 +134,6 @@ class Params:
         Length of the spectral signatures (thesis: 50).
     feature_floor : float
         d0 of `distances.edge_weights`, as a share of the 95 % quantile. Thesis: 0.
-    hop, travel : float
-        Added to each edge, and per metre of it. Thesis: 0.
     convex_weights : tuple of float
         What a convex edge's weight is multiplied by, in turn over the runs. Thesis: (1,).
     n_runs : int
@@ -163,6 +160,9 @@ class Params:
     relief : float
         What stands out of a wall or floor by a step of this height (metres) is a segment of its own: doors,
         pictures, carpets. 0 leaves them with the wall, as in the thesis.
+    furniture_similarity : float
+        Mean co-association down to which segments that touch are joined where they are no wall, floor or
+        ceiling: a cut that keeps doors from walls leaves sofas in pieces. 1 joins none. Thesis: 1.
     min_area : float
         Segments below this area (m²) go to a neighbour. Thesis: 0.
     granularity : int, optional
@@ -189,11 +189,9 @@ class Params:
     laplacian: Literal["cotangent", "robust"] = "cotangent"
     n_eigenpairs: int = 50
     feature_floor: float = 0.05
-    hop: float = 0.02
-    travel: float = 1e-4
     convex_weights: tuple[float, ...] = (0.05, 0.2, 1.0)
     n_runs: int = 30
-    n_graph_runs: int = 30
+    n_graph_runs: int = 60
     init: Init = "random"
     allocation: Allocation = "dihedral"
     merge: bool = False
@@ -205,6 +203,7 @@ class Params:
     leftover: Leftover = "alone"
     join_planes: bool = True
     relief: float = 0.008
+    furniture_similarity: float = 0.4
     min_area: float = 0.02
     granularity: int | None = None
     seed: int = 0
@@ -232,8 +231,6 @@ class Params:
             "items": "simplified",
             "n_items": 10_000,
             "feature_floor": 0.0,
-            "hop": 0.0,
-            "travel": 0.0,
             "convex_weights": (1.0,),
             "n_runs": 50,
             "n_graph_runs": 0,
@@ -241,6 +238,7 @@ class Params:
             "consensus": "peac",
             "join_planes": False,
             "relief": 0.0,
+            "furniture_similarity": 1.0,
             "min_area": 0.0,
         }
         return cls().replace(**(preset | changes))

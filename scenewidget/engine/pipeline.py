@@ -42,6 +42,7 @@ from scenewidget.engine.features import (
     wave_kernel_signature,
 )
 from scenewidget.engine.finish import absorb_small, connected_pieces
+from scenewidget.engine.furniture import join_furniture
 from scenewidget.engine.hull import join_planes
 from scenewidget.engine.items import Items, simplified_items, superfacet_items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, face_adjacency, load_mesh
@@ -340,8 +341,6 @@ def stages(params: Params) -> dict[str, Stage]:
             exponent=p.cost_exponent,
             feature_floor=p.feature_floor if feature else 0.0,
             convex_weights=p.convex_weights if p.n_runs else (),
-            hop=p.hop,
-            travel=p.travel,
         ),
         stage(
             "ensemble",
@@ -353,7 +352,6 @@ def stages(params: Params) -> dict[str, Stage]:
             n_runs=p.n_runs,
             n_graph_runs=p.n_graph_runs,
             exponent=p.cost_exponent,
-            hop=p.hop,
             init=p.init,
             merge=(p.merge_flatness, p.merge_normal, p.merge_seam) if p.merge else None,
             seed=p.seed,
@@ -399,6 +397,7 @@ def stages(params: Params) -> dict[str, Stage]:
             "consensus",
             planes=p.join_planes,
             relief=p.relief,
+            furniture=p.furniture_similarity,
             min_area=p.min_area,
         ),
         stage("segmentation", _segmentation, "items", "dihedral", "ensemble", "coassociation", "finish"),
@@ -526,8 +525,6 @@ def _distances(
     exponent: float,
     feature_floor: float,
     convex_weights: tuple[float, ...],
-    hop: float,
-    travel: float,
 ) -> tuple[Any, ...]:
     costs = edge_costs(items.normals, items.pairs, a=a, b=b, exponent=exponent)
     steps = None
@@ -544,8 +541,6 @@ def _distances(
             feature_floor=feature_floor,
             is_convex=items.is_convex,
             convex_weight=alpha,
-            hop=hop,
-            travel=travel,
         )
         factor = MinPlusFactor(weight_graph(items.n, items.pairs, weights))
         out.append(factor.rows(np.arange(items.n), n_threads=_n_threads(), monitor=monitor))
@@ -576,7 +571,6 @@ def _ensemble(
     n_runs: int,
     n_graph_runs: int,
     exponent: float,
-    hop: float,
     init: Any,
     merge: tuple[float, float, float] | None,
     seed: int,
@@ -604,7 +598,6 @@ def _ensemble(
                 items,
                 n_runs=n_graph_runs,
                 cost_exponent=exponent,
-                hop=hop,
                 seed=seed,
                 n_threads=_n_threads(),
                 monitor=monitor,
@@ -739,11 +732,15 @@ def _finish(
     monitor: Monitor,
     planes: bool,
     relief: float,
+    furniture: float,
     min_area: float,
 ) -> tuple[IntArray, FloatArray]:
     """(n_items,) label of each item, and how much the ensemble agrees with it."""
-    labels = connected_pieces(consensus[co.base], items.pairs)
-    return _finished(items, labels, planes, relief, min_area), _confidence(co, labels)
+    pieces = connected_pieces(consensus[co.base], items.pairs)
+    labels = _finished(items, pieces, planes, relief, min_area)
+    if furniture < 1:
+        labels = join_furniture(items, labels, co, similarity=furniture)
+    return labels, _confidence(co, pieces)
 
 
 def _finished(items: Items, labels: IntArray, planes: bool, relief: float, min_area: float) -> IntArray:

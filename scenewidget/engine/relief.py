@@ -23,13 +23,14 @@ from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 __all__ = ["separate_reliefs"]
 
 FACING = 0.7  # least dot product with the plane's normal of what is in the map: no flanks, no shells
-LARGE = 0.15  # of the wall's main region; larger ones must stand out more: scans bend walls and shift halves
+LARGE = 0.3  # of the wall's main region; larger ones must stand out more: scans bend walls and shift halves
 MARGIN = 5  # empty cells round the map, as far as heights are compared
 MOST_CELLS = 2_000  # along a side of the map
 SHIFTS = ((0.0, 0.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0))  # of the grids that vote, in cells
 UNEVEN = 5.0  # a step is this many times the unevenness of the walls
 REACH = 2  # cells; narrow items this near to a broad one are the rim of a step
 RIM = 1  # cells; an item that nowhere holds a square of 2 RIM + 1 cells is narrow
+SURROUNDED = 0.5  # of its outline, along which a region borders on its wall: a shifted part lies at the edge
 DOUBT = 0.02  # metres over the root of a seam's cells: long seams are decided first
 
 
@@ -122,12 +123,13 @@ def _regions(
     region = _most_frequent(item, np.where(whole >= 0, roots[whole], -1), len(areas))
     area = np.bincount(region[region >= 0], areas[region >= 0], len(areas))
     main = int(area.argmax())
+    surrounded = _surrounded(np.where(whole >= 0, roots[whole], -1), len(areas))
     ends = roots[seams.pairs]
     is_between = ends[:, 0] != ends[:, 1]
     out = np.zeros(len(areas), dtype=np.int32)
     for r in np.flatnonzero(area >= smallest).tolist():
         around = is_between & (ends == r).any(axis=1)
-        if r == main or not around.any():  # the rest of a wall cut in two touches nothing here
+        if r == main or surrounded[r] < SURROUNDED or not around.any():
             continue
         if _mean_step(seams, ends, around, r) >= step * max(1.0, area[r] / (LARGE * area[main])):
             out[region == r] = r + 1
@@ -305,6 +307,20 @@ def _mean(
         weight += heights.weight[cells]
         height += heights.height[cells]
     return np.where(weight > 0, height / np.where(weight > 0, weight, 1.0), otherwise)
+
+
+def _surrounded(region: IntArray, n_regions: int) -> FloatArray:
+    """(n_regions,) share of each region's outline beyond which the map goes on; small holes don't count."""
+    distance, (rows, columns) = ndimage.distance_transform_edt(region < 0, return_indices=True)
+    region = np.where(distance <= REACH, region[rows, columns], -1)
+    outline, inner = np.zeros(n_regions + 1), np.zeros(n_regions + 1)  # the last is that of empty cells
+    for axis in (0, 1):
+        beside = np.roll(region, -1, axis)
+        at = region != beside
+        for one, other in ((region[at], beside[at]), (beside[at], region[at])):
+            outline += np.bincount(one % (n_regions + 1), minlength=n_regions + 1)
+            inner += np.bincount(one % (n_regions + 1), other >= 0, n_regions + 1)
+    return np.asarray(inner[:-1] / np.maximum(outline[:-1], 1.0))
 
 
 def _merged(nodes: IntArray, seams: _Seams, step: float) -> IntArray:

@@ -81,10 +81,6 @@ FOLDED = (
             "number", "Distances", 1, 1000, 1),
     Setting("feature_floor", "Feature floor", "What a crease counts where the feature sees no difference.",
             "number", "Distances", 0, None, 0.01),
-    Setting("hop", "Hop", "What every step costs, so that many small creases add up.",
-            "number", "Distances", 0, None, 0.005),
-    Setting("travel", "Travel", "What a metre costs on a flat surface.",
-            "number", "Distances", 0, None, 0.0001),
     Setting("convex_weights", "Convex weights",
             "What convex creases count against concave ones, in turn over the runs.", "list", "Distances"),
     Setting("n_runs", "k-medoids runs", "How many k-medoids clusterings vote.", "number", "Ensemble",
@@ -116,6 +112,9 @@ FOLDED = (
     Setting("relief", "Relief",
             "How far, in m, a thing must stand out of its wall to come off it; 0 is never.",
             "number", "Consensus", 0, None, 0.002),
+    Setting("furniture_similarity", "Furniture",
+            "Share of the runs that must agree for pieces of furniture that touch to be joined; 1 is never.",
+            "number", "Consensus", 0, 1, 0.05),
     Setting("min_area", "Least area", "Segments below this area, in m², go to a neighbour.",
             "number", "Consensus", 0, None, 0.01),
     Setting("items", "Items", "What is clustered: patches of the scan, or faces of a simplified mesh.",
@@ -157,7 +156,7 @@ def idle_reasons(params: Params) -> dict[str, str]:
         why["n_segments"] = "The median partition finds its own number."
     if not has_runs:
         no_runs = "There are no k-medoids runs."
-        for name in ("init", "merge", "cost_a", "cost_b", "feature", "travel", "convex_weights"):
+        for name in ("init", "merge", "cost_a", "cost_b", "feature", "convex_weights"):
             why[name] = no_runs
         if not (p.consensus == "peac" and p.n_segments == "auto"):
             why["k_range"] = no_runs

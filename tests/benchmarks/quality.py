@@ -86,12 +86,11 @@ ABLATION: dict[str, dict[str, Any]] = {
     "median partition": {"consensus": "median"},
     "S = auto": {"n_segments": "auto"},
     "S = auto, merging down to 0.42": {"n_segments": "auto", "linkage_similarity": 0.42},
-    "no hop": {"hop": 0.0},
-    "no travel": {"travel": 0.0},
     "cost exponent 1.5": {"cost_exponent": 1.5},
     "shares by items": {"allocation": "faces"},
     "planes not joined": {"join_planes": False},
     "reliefs left": {"relief": 0.0},
+    "furniture not joined": {"furniture_similarity": 1.0},
     "crumbs kept": {"min_area": 0.0},
 }
 TARGETS = {"1-RI": 0.6, "GCE": 0.8, "LCE": 0.8}  # times the best Felzenszwalb

@@ -66,8 +66,16 @@ def test_a_bent_wall_is_followed_beyond_its_plane():
     parts = [sheet((0, 0, 0), (3, 3)), sheet((3, 0, 0.02), (2, 3)), sheet((5, 0, 0.04), (2, 3))]
     items, part = scene(*parts)
     assert set(join_planes(items, part).tolist()) == {0}
-    far = [parts[0], parts[1], sheet((6, 0, 0.04), (2, 3))]
+    far = [parts[0], parts[1], sheet((6, 0, 0.09), (2, 3))]
     assert set(join_planes(*scene(*far)).tolist()) == {0, 1}
+
+
+def test_a_wall_that_has_grown_is_compared_with_the_hull_again():
+    """The third sheet lies out of reach of the first one's plane, but in that of the first two together."""
+    parts = [sheet((0, 0, 0), (3, 3)), sheet((3, 0, 0.02), (2, 3))]
+    large, small = sheet((6, 0, 0.04), (2, 3)), sheet((6, 0, 0.04), (0.5, 1))
+    assert set(join_planes(*scene(*parts, large)).tolist()) == {0}
+    assert set(join_planes(*scene(*parts, small)).tolist()) == {0, 1}
 
 
 def test_what_is_followed_is_not_followed_up_a_step():
@@ -152,6 +160,14 @@ def test_a_door_behind_a_frame_is_parted_although_it_lies_in_the_wall():
     leaf = labels[np.hypot(items.centroids[:, 0] - 1.5, items.centroids[:, 1] - 1.5) < 0.3]
     assert (leaf == leaf[0]).all()
     assert leaf[0] != labels[np.hypot(items.centroids[:, 0], items.centroids[:, 1]).argmin()]
+
+
+def test_a_part_at_the_edge_is_no_relief_however_high_its_step():
+    """Scans shift halves of a wall against each other; what stands out of a wall has wall round it."""
+    items = floor(lambda x, y: 0.03 * (x > 2.1))
+    assert separate_reliefs(items, np.zeros(items.n, np.int32)).max() == 0
+    items = floor(lambda x, y: 0.03 * ((x > 2.1) & (x < 2.7) & (y > 1.05)))
+    assert separate_reliefs(items, np.zeros(items.n, np.int32)).max() == 1
 
 
 def test_small_things_and_what_is_not_of_the_hull_stay():

@@ -44,7 +44,6 @@ CHANGES = [
     {"n_segments": "auto"},
     {"k_range": (10, 15)},
     {"cost_exponent": 1.75},
-    {"hop": 0.1},
     {"convex_weights": (1.0,)},
     {"n_runs": 2},
     {"n_graph_runs": 0},
@@ -112,7 +111,6 @@ def recomputed(pipe, params):
         ({"cost_exponent": 1.5}, DISTANCES),
         ({"cost_a": 1.1}, DISTANCES),
         ({"cost_b": -0.9}, DISTANCES),
-        ({"travel": 0.1}, DISTANCES),
         ({"convex_weights": (0.3,)}, DISTANCES),
         ({"feature": "uniform"}, {"features"} | DISTANCES),
         ({"feature": "hks", "n_eigenpairs": 10}, {"eigenbasis", "features"} | DISTANCES),
@@ -355,7 +353,9 @@ def test_moving_a_room_changes_no_segment(params, seed):
 
 
 def test_without_lengths_in_metres_scale_changes_nothing():
-    params = FAST.replace(bridge=0.0, travel=0.0, min_area=0.0, join_planes=False, n_graph_runs=0)
+    params = FAST.replace(
+        bridge=0.0, min_area=0.0, join_planes=False, furniture_similarity=1.0, n_graph_runs=0
+    )
     scaled = segment(Mesh(8.0 * ROOM.vertices, ROOM.faces), params)
     assert adjusted_rand_score(segment(ROOM, params).labels, scaled.labels) == 1.0
 
