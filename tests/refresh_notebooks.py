@@ -15,7 +15,9 @@ NOTEBOOKS = Path(__file__).parent.parent / "notebooks"
 def refresh(path: Path) -> None:
     """Execute one notebook from a fresh kernel and keep only what can be committed."""
     notebook = nbformat.read(path, as_version=4)
-    NotebookClient(notebook, timeout=120, kernel_name="python3", store_widget_state=False).execute()
+    here = {"metadata": {"path": str(path.parent)}}  # as in JupyterLab, and under nbval
+    options = {"timeout": 120, "kernel_name": "python3", "store_widget_state": False}
+    NotebookClient(notebook, resources=here, **options).execute()
     notebook.metadata.pop("widgets", None)
     notebook.metadata["language_info"] = {"name": "python"}
     for cell in notebook.cells:

@@ -57,8 +57,9 @@ def edge_weights(
     feature_floor: float = 0.0,
     is_convex: BoolArray | None = None,
     convex_weight: float = 1.0,
+    hop: float = 0.0,
 ) -> FloatArray:
-    """Weight of each edge of the item graph: w = (d + d0) · cost · (α if convex).
+    """Weight of each edge of the item graph: w = (d + d0) · cost · (α if convex) + hop.
 
     With the defaults this is Eq. 3.8 of the thesis, and ``length`` times 1e-12 of the median breaks ties
     between the zero-cost paths that coplanar faces give, in favour of the shorter one.
@@ -77,6 +78,8 @@ def edge_weights(
     is_convex : (n_pairs,) bool, optional
     convex_weight : float
         α: what an edge costs when it is convex; below 1 keeps convex things together.
+    hop : float
+        Added per edge.
 
     Returns
     -------
@@ -88,6 +91,7 @@ def edge_weights(
     weights = steps * costs
     if is_convex is not None and convex_weight != 1.0:
         weights = np.where(is_convex, convex_weight * weights, weights)
+    weights = weights + hop
     median = np.median(lengths[lengths > 0]) if np.any(lengths > 0) else 1.0
     scale = np.median(weights[weights > 0]) if np.any(weights > 0) else 1.0
     return weights + 1e-12 * scale * (lengths / median)  # type: ignore[no-any-return]

@@ -118,6 +118,7 @@ def felzenszwalb_members(
     convex_weight: tuple[float, float] = (0.05, 0.5),
     threshold: tuple[float, float] = (0.02, 0.3),
     jitter: float = 0.3,
+    hop: float = 0.02,
     seed: int = 0,
     n_threads: int = 2,
     monitor: Monitor | None = None,
@@ -136,6 +137,8 @@ def felzenszwalb_members(
         In square metres times weight, drawn evenly in its logarithm.
     jitter : float
         Weights are multiplied by exp(jitter · N(0, 1)).
+    hop : float
+        Added to each weight.
     seed : int
         Run i draws from a generator of its own, so more runs extend fewer.
     n_threads : int
@@ -155,7 +158,7 @@ def felzenszwalb_members(
         rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(1_000_000 + i,)))
         alpha = rng.uniform(*convex_weight)
         c = float(np.exp(rng.uniform(*np.log(threshold))))
-        weights = np.where(items.is_convex, alpha * costs, costs)
+        weights = np.where(items.is_convex, alpha * costs, costs) + hop
         weights = weights * np.exp(jitter * rng.standard_normal(len(weights)))
         return felzenszwalb(items.n, items.pairs, weights, threshold=c, sizes=items.areas)
 

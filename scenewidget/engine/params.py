@@ -48,6 +48,7 @@ _RANGES: dict[str, tuple[float, float]] = {  # inclusive
     "cost_a": (-math.inf, math.inf),
     "cost_b": (-math.inf, math.inf),
     "cost_exponent": (0, 100),
+    "hop": (0, math.inf),
     "n_runs": (0, 10_000),
     "n_graph_runs": (0, 10_000),
     "merge_flatness": (0, 1),
@@ -134,6 +135,9 @@ class Params:
         Length of the spectral signatures (thesis: 50).
     feature_floor : float
         d0 of `distances.edge_weights`, as a share of the 95 % quantile. Thesis: 0.
+    hop : float
+        Added to each edge: so runs cut flat surfaces, too, and base segments are small there, which makes
+        corrections by them finer. Thesis: 0.
     convex_weights : tuple of float
         What a convex edge's weight is multiplied by, in turn over the runs. Thesis: (1,).
     n_runs : int
@@ -189,6 +193,7 @@ class Params:
     laplacian: Literal["cotangent", "robust"] = "cotangent"
     n_eigenpairs: int = 50
     feature_floor: float = 0.05
+    hop: float = 0.02
     convex_weights: tuple[float, ...] = (0.05, 0.2, 1.0)
     n_runs: int = 30
     n_graph_runs: int = 60
@@ -231,6 +236,7 @@ class Params:
             "items": "simplified",
             "n_items": 10_000,
             "feature_floor": 0.0,
+            "hop": 0.0,
             "convex_weights": (1.0,),
             "n_runs": 50,
             "n_graph_runs": 0,

@@ -341,6 +341,7 @@ def stages(params: Params) -> dict[str, Stage]:
             exponent=p.cost_exponent,
             feature_floor=p.feature_floor if feature else 0.0,
             convex_weights=p.convex_weights if p.n_runs else (),
+            hop=p.hop,
         ),
         stage(
             "ensemble",
@@ -352,6 +353,7 @@ def stages(params: Params) -> dict[str, Stage]:
             n_runs=p.n_runs,
             n_graph_runs=p.n_graph_runs,
             exponent=p.cost_exponent,
+            hop=p.hop,
             init=p.init,
             merge=(p.merge_flatness, p.merge_normal, p.merge_seam) if p.merge else None,
             seed=p.seed,
@@ -525,6 +527,7 @@ def _distances(
     exponent: float,
     feature_floor: float,
     convex_weights: tuple[float, ...],
+    hop: float,
 ) -> tuple[Any, ...]:
     costs = edge_costs(items.normals, items.pairs, a=a, b=b, exponent=exponent)
     steps = None
@@ -541,6 +544,7 @@ def _distances(
             feature_floor=feature_floor,
             is_convex=items.is_convex,
             convex_weight=alpha,
+            hop=hop,
         )
         factor = MinPlusFactor(weight_graph(items.n, items.pairs, weights))
         out.append(factor.rows(np.arange(items.n), n_threads=_n_threads(), monitor=monitor))
@@ -571,6 +575,7 @@ def _ensemble(
     n_runs: int,
     n_graph_runs: int,
     exponent: float,
+    hop: float,
     init: Any,
     merge: tuple[float, float, float] | None,
     seed: int,
@@ -598,6 +603,7 @@ def _ensemble(
                 items,
                 n_runs=n_graph_runs,
                 cost_exponent=exponent,
+                hop=hop,
                 seed=seed,
                 n_threads=_n_threads(),
                 monitor=monitor,

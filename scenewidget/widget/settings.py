@@ -81,6 +81,8 @@ FOLDED = (
             "number", "Distances", 1, 1000, 1),
     Setting("feature_floor", "Feature floor", "What a crease counts where the feature sees no difference.",
             "number", "Distances", 0, None, 0.01),
+    Setting("hop", "Hop", "What every step costs, so that many small creases add up.",
+            "number", "Distances", 0, None, 0.005),
     Setting("convex_weights", "Convex weights",
             "What convex creases count against concave ones, in turn over the runs.", "list", "Distances"),
     Setting("n_runs", "k-medoids runs", "How many k-medoids clusterings vote.", "number", "Ensemble",

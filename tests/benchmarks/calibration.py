@@ -28,6 +28,7 @@ from scenewidget.evaluation import reliability
 KNOTS = np.array([0.0, 0.2, 0.35, 0.45, 0.55, 0.65, 0.8, 1.0])
 # pairs are judged before the finish, which joins and parts by what the runs don't know
 UNFINISHED = {"join_planes": False, "relief": 0.0, "furniture_similarity": 1.0}
+LEAST_RISE = 0.03  # of the confidence, over that of the agreement: it must lead back
 FINE = 100  # bins of the agreement that the fit sees
 
 
@@ -58,18 +59,19 @@ def fit_pairs(pairs: pd.DataFrame) -> tuple[float, float]:
 
 
 def fit_confidence(bins: pd.DataFrame) -> np.ndarray:
-    """Values at the knots, rising from 0, by least squares."""
+    """Values at the knots, rising from 0 and nowhere level, by least squares."""
     x, right, share = (bins[name].to_numpy() for name in ("confidence", "right", "share"))
     hats = np.stack([np.interp(x, KNOTS, unit) for unit in np.eye(len(KNOTS))], axis=1)
     steps = (hats @ np.tril(np.ones((len(KNOTS), len(KNOTS)))))[:, 1:]
     # a little pull towards even steps where no face is
     pull = 1e-2 * np.eye(len(KNOTS) - 1)
     root = np.sqrt(share)[:, None]
+    least = LEAST_RISE * np.diff(KNOTS)
     values, _ = nnls(
         np.concatenate([steps * root, pull]),
-        np.concatenate([right * root[:, 0], pull @ np.diff(KNOTS)]),
+        np.concatenate([(right - steps @ least) * root[:, 0], pull @ (np.diff(KNOTS) - least)]),
     )
-    return np.concatenate([[0.0], np.cumsum(values)])
+    return np.concatenate([[0.0], np.cumsum(values + least)])
 
 
 def error(bins: pd.DataFrame) -> float:

@@ -182,7 +182,7 @@ def test_weights_are_feature_steps_times_costs_and_ties_go_to_the_shorter_path()
     assert 0 < edge_weights(steps, np.zeros(3), lengths)[0] < edge_weights(steps, np.zeros(3), lengths)[2]
 
 
-def test_convex_edges_and_floor_enter_as_documented():
+def test_convex_edges_floor_and_hop_enter_as_documented():
     steps, costs, lengths = np.array([0.0, 20.0]), np.array([1.0, 2.0]), np.array([0.1, 0.2])
     weights = edge_weights(
         steps,
@@ -191,9 +191,10 @@ def test_convex_edges_and_floor_enter_as_documented():
         feature_floor=0.5,
         is_convex=np.array([False, True]),
         convex_weight=0.25,
+        hop=0.3,
     )
     floor = 0.5 * np.quantile(steps, 0.95)
-    expected = [floor * 1.0, 0.25 * (20 + floor) * 2]
+    expected = [floor * 1.0 + 0.3, 0.25 * (20 + floor) * 2 + 0.3]
     np.testing.assert_allclose(weights, expected, rtol=1e-9)
 
 

@@ -44,6 +44,7 @@ CHANGES = [
     {"n_segments": "auto"},
     {"k_range": (10, 15)},
     {"cost_exponent": 1.75},
+    {"hop": 0.1},
     {"convex_weights": (1.0,)},
     {"n_runs": 2},
     {"n_graph_runs": 0},
