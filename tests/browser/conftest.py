@@ -171,7 +171,8 @@ def serve(
     port = free_port()
     url, log = f"http://127.0.0.1:{port}", home / "log.txt"
     with (
-        tempfile.TemporaryDirectory(prefix="sw-") as runtime,  # paths of sockets must be short
+        # paths of sockets must be short
+        tempfile.TemporaryDirectory(prefix="sw-", dir="/tmp" if OWN_SOCKETS else None) as runtime,
         log.open("w") as output,
         subprocess.Popen(
             [word.replace("{port}", str(port)) for word in command],
