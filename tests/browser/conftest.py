@@ -265,13 +265,14 @@ class Notebook:
     errors: list[str] = field(default_factory=list)
 
     def open(self, cells: list[str] | Path) -> None:
-        """Write the cells into a file, or copy one with its images; open it, until its kernel answers."""
+        """Write the cells into a file, or copy one with what it reads; open it, until its kernel answers."""
         name = f"{secrets.token_hex(4)}/test.ipynb"  # in a folder of its own: edits are saved beside it
         path = self.server.folder / name
         path.parent.mkdir()
         if isinstance(cells, Path):
+            others = shutil.ignore_patterns("*.ipynb", ".*")
+            shutil.copytree(cells.parent, path.parent, ignore=others, dirs_exist_ok=True)
             shutil.copy(cells, path)
-            shutil.copytree(cells.parent / "images", path.parent / "images")
         else:
             path.write_text(json.dumps(notebook_of(cells)))
         self.errors = errors_of(self.page)
