@@ -120,10 +120,11 @@ def _regions(
 ) -> IntArray:
     """(n_items,) 1 and up for regions that stand out of the wall on one grid, 0 for all else."""
     roots = _merged(np.unique(whole[whole >= 0]), seams, step)
-    region = _most_frequent(item, np.where(whole >= 0, roots[whole], -1), len(areas))
+    cells = np.where(whole >= 0, roots[whole], -1)
+    region = _most_frequent(item, cells, len(areas))
     area = np.bincount(region[region >= 0], areas[region >= 0], len(areas))
     main = int(area.argmax())
-    surrounded = _surrounded(np.where(whole >= 0, roots[whole], -1), len(areas))
+    surrounded = _surrounded(cells, len(areas))
     ends = roots[seams.pairs]
     is_between = ends[:, 0] != ends[:, 1]
     out = np.zeros(len(areas), dtype=np.int32)
