@@ -205,7 +205,7 @@ def merge_flat(
     n = int(labels.max(initial=-1)) + 1
     moments = items.moments.gather(labels, n)
     n_pairs = len(items.pairs)
-    count = np.bincount(items.seam_pair, minlength=n_pairs)
+    count = items.seam_edges
     good = np.bincount(items.seam_pair, items.seam_dot > seam, n_pairs)
     dots = np.bincount(items.seam_pair, items.seam_dot, n_pairs)
     a, b = labels[items.pairs[:, 0]], labels[items.pairs[:, 1]]

@@ -54,14 +54,13 @@ def absorb_small(items: Items, labels: IntArray, smallest: float) -> IntArray:
         Dense.
     """
     labels = labels.astype(np.int64)
-    seams = np.bincount(items.seam_pair, minlength=len(items.pairs))
     while True:
         n = int(labels.max(initial=-1)) + 1
         area = np.bincount(labels[labels >= 0], items.areas[labels >= 0], n)
         ends = labels[items.pairs]
         crossing = (ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)
         both = np.concatenate([ends[crossing], ends[crossing][:, ::-1]])
-        length = np.tile(seams[crossing], 2)
+        length = np.tile(items.seam_edges[crossing], 2)
         # towards larger segments only (ties by number), so that no two are given to each other
         up = (area[both[:, 1]] > area[both[:, 0]]) | (
             (area[both[:, 1]] == area[both[:, 0]]) & (both[:, 1] < both[:, 0])

@@ -50,7 +50,6 @@ def join_furniture(
     labels : (n_items,) int32
         Dense, in the order of the labels given.
     """
-    seams = np.bincount(items.seam_pair, minlength=len(items.pairs)).astype(np.float64)
     ends = labels[items.pairs]
     crossing = (ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)
     touching, index = np.unique(ends[crossing], return_inverse=True)  # the others can't join anything
@@ -58,7 +57,8 @@ def join_furniture(
     if n == 0:
         return labels
     index = index.reshape(-1, 2)
-    seam = sparse.coo_array((seams[crossing], tuple(index.T)), shape=(n, n)).toarray()  # dense (n, n)
+    edges = items.seam_edges[crossing].astype(np.float64)
+    seam = sparse.coo_array((edges, tuple(index.T)), shape=(n, n)).toarray()  # dense (n, n)
     seam += seam.T
     agreement, area = _agreement(items, labels, co, touching)
     is_free = ~segment_planes(items, labels).is_hull[touching]

@@ -97,6 +97,11 @@ class Items:
         )
 
     @cached_property
+    def seam_edges(self) -> IntArray:
+        """(n_pairs,) number of edges of the mesh along which the two items meet."""
+        return np.bincount(self.seam_pair, minlength=len(self.pairs))
+
+    @cached_property
     def graph(self) -> sparse.csr_array:
         """(n, n) symmetric csr: distance of the centroids of neighbouring items, metres."""
         rows, columns = np.concatenate([self.pairs, self.pairs[:, ::-1]]).T
