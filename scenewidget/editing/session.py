@@ -28,6 +28,7 @@ from scenewidget.editing.store import ProjectFile
 from scenewidget.editing.suggestions import Dismissal, Suggestion, suggest
 from scenewidget.editing.vocabulary import NYU40, chosen_vocabulary
 from scenewidget.engine.atoms import Atoms
+from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, MeshError, load_mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Level, Segmentation
@@ -333,8 +334,7 @@ class Session:
 
     def go_to(self, n_edits: int) -> None:
         """Undo or redo until ``n_edits`` edits are done: walk the history."""
-        if isinstance(n_edits, bool) or not hasattr(n_edits, "__index__"):
-            raise TypeError(f"n_edits must be a whole number, got {n_edits!r:.200}")
+        n_edits = checked_whole("n_edits", n_edits)
         with self._lock:
             most = len(self._done) + len(self._undone)
             if not 0 <= n_edits <= most:

@@ -8,7 +8,7 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-__all__ = ["checked_count", "warn_caller"]
+__all__ = ["checked_count", "checked_whole", "warn_caller"]
 
 _PACKAGE = str(Path(__file__).parent.parent)
 
@@ -39,6 +39,25 @@ def checked_count(name: str, value: Any, *, most: int | None = None) -> int:
     if most is not None and count > most:
         raise ValueError(f"{name} must be at most {most}, got {count}")
     return count
+
+
+def checked_whole(name: str, value: Any) -> int:
+    """``value`` as an int; neither True nor 2.0 is one.
+
+    Parameters
+    ----------
+    name : str
+        What the message calls it.
+    value : object
+
+    Raises
+    ------
+    TypeError
+        Not a whole number.
+    """
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        raise TypeError(f"{name} must be a whole number, got {value!r:.200}")
+    return operator.index(value)
 
 
 def warn_caller(message: str) -> None:

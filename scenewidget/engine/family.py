@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import sparse
 
+from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.evidence import agreement_behind, calibrated
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.engine.segmentation import Segmentation, order_by_area
@@ -81,8 +82,7 @@ class Family:
         ValueError
             The family has no such cut.
         """
-        if isinstance(n_segments, bool) or not hasattr(n_segments, "__index__"):
-            raise TypeError(f"n_segments must be a whole number, got {n_segments!r}")
+        n_segments = checked_whole("n_segments", n_segments)
         if not self.least <= n_segments <= self.most:
             raise ValueError(
                 f"n_segments must lie in {self.least}..{self.most}, the range of this family, "

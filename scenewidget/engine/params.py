@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, TypeVar, get_args
 
+from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.consensus import Leftover
 from scenewidget.engine.ensemble import Allocation
 from scenewidget.engine.kmedoids import Init
@@ -302,11 +303,10 @@ class Params:
 
 
 def _whole(name: str, value: Any, low: float, high: float) -> int:
-    if isinstance(value, bool) or not hasattr(value, "__index__"):
-        raise TypeError(f"{name} must be a whole number, got {value!r}")
-    if not low <= int(value) <= high:
+    number = checked_whole(name, value)
+    if not low <= number <= high:
         raise ValueError(f"{name} must lie in {low:g}..{high:g}, got {value}")
-    return int(value)
+    return number
 
 
 def _k_range(value: Any) -> tuple[int, int]:
