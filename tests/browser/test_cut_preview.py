@@ -10,9 +10,13 @@ def largest(editor):
 
 def test_the_other_side_of_a_cut_shows_while_the_pointer_rests(editor):
     x, y = largest(editor)
+    steps = editor.root.get_by_text("Drag a part onto another to merge")
+    editor.view.point(-40, 100)
+    steps.wait_for()
     editor.root.focus()
     editor.page.keyboard.press("c")
     editor.root.get_by_text("Cut: click or drag from one side of a segment").wait_for()
+    steps.wait_for(state="hidden")  # that is what another tool does
     editor.click((x - 14, y))
     rubber = editor.root.locator(".sw-rubber")
     editor.view.point(-40, 100)

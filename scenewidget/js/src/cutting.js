@@ -17,9 +17,9 @@ const REST_MS = 120;
  * @param {import("./wire.js").Model} around.model
  * @param {import("./labelling.js").Labelling} around.labelling
  * @param {AbortSignal} around.signal
- * @param {() => void} onChange  something else is to be shown
+ * @param {{ onOffcut: () => void, onLook: () => void }} to  something else is to be shown; a look for a cut begins or ends
  */
-export function createCutting({ model, labelling, signal }, onChange) {
+export function createCutting({ model, labelling, signal }, to) {
   const me = Math.random().toString(36).slice(2, 8);
   let n = 0;
   /** @type {Pair | null} */
@@ -35,7 +35,7 @@ export function createCutting({ model, labelling, signal }, onChange) {
   function show(faces) {
     if (faces.length === 0 && labelling.offcut === null) return;
     labelling.cutOff(faces);
-    onChange();
+    to.onOffcut();
   }
 
   function ask() {
@@ -45,6 +45,7 @@ export function createCutting({ model, labelling, signal }, onChange) {
       ...{ kind: "preview_cut", request: asked.request, ...wanted },
       revision: model.get("revision"),
     });
+    to.onLook();
   }
 
   const onMessage = (/** @type {any} */ message, /** @type {any[]} */ buffers) => {
@@ -54,11 +55,17 @@ export function createCutting({ model, labelling, signal }, onChange) {
     const isOf = pair.face_a === wanted?.face_a && before === labelling.atomSegment;
     if (isOf) show(facesOf(message.first, asBytes(buffers[0])));
     if (!isSame(pair, wanted)) ask();
+    if (!asked) to.onLook();
   };
   on(model, "msg:custom", onMessage, signal);
   signal.addEventListener("abort", () => clearTimeout(timer));
 
   return {
+    /** Whether Python is looking for a cut that is still wanted. */
+    get isLooking() {
+      return asked !== null && wanted !== null;
+    },
+
     /**
      * These are the points of the cut now; the second is null while it is nowhere, both if there is no cut.
      * @param {number | null} first  face

@@ -171,11 +171,17 @@ function start({ model, el }, again, kept) {
   const labelling = new Labelling(model, view, preview);
   const around = { model, view, panel, labelling, signal };
   const linking = createLinking(around, (face) => pointing.follow(face));
-  const cutting = createCutting(around, () => take(new Set(/** @type {const} */ (["partition"]))));
+  const cutting = createCutting(around, {
+    onOffcut: () => take(new Set(/** @type {const} */ (["partition"]))),
+    onLook: () => pointing.hintAtCut(),
+  });
   const pointing = createPointing(
     { ...around, cutting },
-    (operation) => editing.edit(operation),
-    linking.pointed,
+    {
+      edit: (operation) => editing.edit(operation),
+      onPoint: linking.pointed,
+      onTool: () => take(new Set()),
+    },
   );
   const editing = createEditing(around, {
     onEdit: () => take(new Set(/** @type {const} */ (["partition"]))),
@@ -243,7 +249,8 @@ function start({ model, el }, again, kept) {
       backFaces: model.get("back_faces"),
     });
     view.setSection(model.get("section"));
-    const isFirstStep = model.get("mode") === "edit" && !labelling.undo && !labelling.redo;
+    const isFirstStep =
+      model.get("mode") === "edit" && pointing.tool() === "merge" && !labelling.undo && !labelling.redo;
     panel.update({
       colorBy: model.get("color_by"),
       hasScan: view.mesh?.colors != null,

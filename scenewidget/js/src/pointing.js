@@ -23,10 +23,15 @@ const IS_MAC = /mac/i.test(globalThis.navigator?.platform ?? "");
  * @param {import("./labelling.js").Labelling} around.labelling
  * @param {ReturnType<typeof import("./cutting.js").createCutting>} around.cutting
  * @param {AbortSignal} around.signal
- * @param {(edit: import("./editor.js").Edit) => void} edit
- * @param {(face: number | null, at: Vec3 | null) => void} onPoint  the pointer is on another face, or on none
+ * @param {object} to
+ * @param {(edit: import("./editor.js").Edit) => void} to.edit
+ * @param {(face: number | null, at: Vec3 | null) => void} to.onPoint  the pointer is on another face, or on none
+ * @param {() => void} to.onTool  another tool is in hand
  */
-export function createPointing({ model, view, panel, labelling, cutting, signal }, edit, onPoint) {
+export function createPointing(
+  { model, view, panel, labelling, cutting, signal },
+  { edit, onPoint, onTool },
+) {
   const { root, canvas } = panel;
   /** Where the pointer is; null when it is elsewhere. @type {Place | null} */
   let pointer = null;
@@ -92,17 +97,23 @@ export function createPointing({ model, view, panel, labelling, cutting, signal 
       const n = stroke.gathered.length;
       const what = n === 0 ? "gather parts for" : `${n} ${n === 1 ? "part" : "parts"} onto`;
       panel.showPicked(`Brush: ${what} ${labelling.titleOf(stroke.onto)}`, "stroke");
-    } else if (tool === "cut") panel.showPicked(cutHint(picked), "hint");
+    } else if (tool === "cut") hintAtCut();
     else if (tool === "brush")
       panel.showPicked("Brush: drag over parts to gather them onto the first", "hint");
     else panel.showPicked(picked && `${labelling.titleOf(picked)}: click what to merge it with`);
   }
 
-  /** What to do next with the cut tool. @param {Hit | null} picked  the first point */
+  /** Say what to do next with the cut tool. */
+  function hintAtCut() {
+    if (tool === "cut" && !gesture.stroke) panel.showPicked(cutHint(gesture.picked), "hint");
+  }
+
+  /** @param {Hit | null} picked  the first point */
   function cutHint(picked) {
     if (!picked) return "Cut: click or drag from one side of a segment to the other";
     const title = segmentTitle(picked.segment, labelling.names);
     const { offcut } = labelling;
+    if (cutting.isLooking) return `${title}: looking for the cut…`;
     if (offcut) return `${title}: a click here cuts ${counted(offcut.nFaces, "face")} off`;
     return `${title}: click the other side of the cut`;
   }
@@ -181,6 +192,7 @@ export function createPointing({ model, view, panel, labelling, cutting, signal 
     root.dataset.tool = tool;
     panel.showTool(tool);
     letGo();
+    onTool();
   }
 
   /** Let go of what is in hand, then of the tool. */
@@ -319,6 +331,7 @@ export function createPointing({ model, view, panel, labelling, cutting, signal 
     point,
     stretch,
     renew,
+    hintAtCut,
     letGo,
     back,
     setTool,

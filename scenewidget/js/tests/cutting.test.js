@@ -48,10 +48,12 @@ function fake() {
       this.offcut = faces.length > 0 ? faces : null;
     },
   };
+  /** @type {boolean[]} */
+  const looks = [];
   const around = /** @type {any} */ ({ model, labelling, signal: new AbortController().signal });
-  const cutting = createCutting(around, () => {});
+  const cutting = createCutting(around, { onOffcut() {}, onLook: () => looks.push(cutting.isLooking) });
   return {
-    ...{ cutting, labelling, sent },
+    ...{ cutting, labelling, sent, looks },
     /** @param {any} asked @param {number} [bits] */
     answer(asked, bits = 0b11) {
       const buffers = bits ? [Uint8Array.of(bits)] : [new Uint8Array(0)];
@@ -62,7 +64,7 @@ function fake() {
 
 test("at rest Python is asked once what would be cut off, and the newest pair counts", (context) => {
   context.mock.timers.enable({ apis: ["setTimeout"] });
-  const { cutting, labelling, sent, answer } = fake();
+  const { cutting, labelling, sent, looks, answer } = fake();
   for (const face of [2, 3, 4]) cutting.aim(1, face);
   assert.equal(sent.length, 0);
   context.mock.timers.tick(500);
@@ -79,8 +81,10 @@ test("at rest Python is asked once what would be cut off, and the newest pair co
   assert.equal(sent[1].face_b, 6);
   answer(sent[0], 0b1);
   assert.deepEqual(labelling.offcut, [5, 6]);
+  assert.deepEqual(looks, [true, true]); // it says so all the time
   answer(sent[1], 0);
   assert.equal(labelling.offcut, null);
+  assert.deepEqual(looks, [true, true, false]);
 });
 
 test("what is shown goes with the first point, and over another segment after a while", (context) => {
