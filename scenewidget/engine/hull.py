@@ -18,6 +18,7 @@ from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 __all__ = ["Planes", "join_planes", "segment_planes"]
 
 PARALLEL = 0.9  # least dot product of normals that agree
+UPRIGHT = 0.2  # largest dot product of the normals of a wall and the floor
 ROUGHNESS = 0.08  # largest root mean square distance from its plane of what can be a piece of a wall, metres
 
 
@@ -38,7 +39,8 @@ class Planes:
     roughness : (n,) float64
         Root mean square distance from the plane, metres.
     is_hull : (n,) bool
-        Large, flat, and next to nothing of the scene behind it.
+        Large, flat, and next to nothing of the scene behind it, or from the floor to the ceiling: behind the
+        walls at the inner corner of an L is the other leg of the room.
     """
 
     areas: FloatArray
@@ -57,6 +59,7 @@ def segment_planes(
     behind: float = 0.12,
     share_behind: float = 0.03,
     lean: float = 0.05,
+    gap: float = 0.15,
 ) -> Planes:
     """Planes of the segments.
 
@@ -73,6 +76,9 @@ def segment_planes(
     lean : float
         A metre to the side, behind begins so many metres further back: the plane of a piece of a bent
         ceiling leans.
+    gap : float
+        How near to both floor and ceiling, the largest two pieces of the hull that face each other, a wall
+        comes that has more behind it, metres.
     """
     n = int(labels.max(initial=-1)) + 1
     keep = labels >= 0
@@ -88,13 +94,32 @@ def segment_planes(
     centroids, positions = moments.centroid, items.moments.centroid
     is_hull = (moments.area >= smallest) & (roughness <= ROUGHNESS)
     is_hull &= np.einsum("ij,ij->i", normals, mean) >= PARALLEL
+    is_upright = is_hull.copy()
     for s in np.flatnonzero(is_hull):
         apart = positions - centroids[s]
         depth = apart @ normals[s]
         aside = np.sqrt(np.maximum(np.einsum("ij,ij->i", apart, apart) - depth**2, 0.0))
         is_behind = (depth < -behind - lean * aside) & (labels != s)
         is_hull[s] = items.areas[is_behind].sum() <= share_behind * items.areas.sum()
-    return Planes(moments.area, centroids, normals, mean, roughness, is_hull)
+    ends = _floor_and_ceiling(moments.area, normals, is_hull)
+    is_upright &= len(ends) > 0
+    for end in ends:
+        height = (positions - centroids[end]) @ normals[end] - np.sqrt(items.areas / np.pi)
+        least = np.full(n, np.inf)
+        np.minimum.at(least, labels[keep], height[keep])
+        is_upright &= (np.abs(normals @ normals[end]) < UPRIGHT) & (least < gap)
+    return Planes(moments.area, centroids, normals, mean, roughness, is_hull | is_upright)
+
+
+def _floor_and_ceiling(areas: FloatArray, normals: FloatArray, is_hull: BoolArray) -> tuple[int, ...]:
+    """The two pieces of the hull with the largest area that face each other; none where no two do."""
+    hull = np.flatnonzero(is_hull)
+    faces = normals[hull] @ normals[hull].T < -PARALLEL
+    if not faces.any():
+        return ()
+    both = np.where(faces, areas[hull][:, None] + areas[hull], 0.0)
+    first, second = np.unravel_index(both.argmax(), both.shape)
+    return int(hull[first]), int(hull[second])
 
 
 def join_planes(

@@ -98,6 +98,20 @@ def test_planes_say_what_is_hull():
     np.testing.assert_allclose(planes.normals, np.tile([0, 0, 1], (3, 1)), atol=1e-9)
 
 
+def test_a_wall_at_the_inner_corner_of_an_l_is_hull_and_a_wardrobe_is_not():
+    """Behind both is the other leg of the room; the wall reaches the ceiling."""
+    above = sheet((0, 0, 2.5), (4, 4))
+    room = [sheet((0, 0, 0), (4, 4)), Mesh(above.vertices, above.faces[:, ::-1])]
+    square = shapes.grid_square(6)
+    u, v, _ = square.vertices.T
+    for height, is_hull in (2.5, True), (2.0, False):
+        upright = Mesh(np.stack([np.full(len(u), 2.0), 4 - 2 * u, height * v], axis=1), square.faces)
+        planes = segment_planes(*scene(*room, upright))
+        np.testing.assert_allclose(planes.normals[2], [-1, 0, 0], atol=1e-9)
+        assert planes.is_hull.tolist() == [True, True, is_hull]
+    assert not segment_planes(*scene(room[0], upright)).is_hull[1]  # without a ceiling
+
+
 # --- reliefs --------------------------------------------------------------------------------------
 
 
