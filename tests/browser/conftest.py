@@ -85,6 +85,12 @@ WATCH_MESSAGES = """() => {
 }"""
 IS_IDLE = """() => window.jupyterapp?.shell.currentWidget?.context?.sessionContext
     ?.session?.kernel?.status === 'idle'"""
+HAS_CELLS = """() => {
+    const { content } = window.jupyterapp.shell.currentWidget;
+    return content.widgets.length > 0 && content.widgets.length === content.model.cells.length;
+}"""
+EXECUTION_COUNTS = """() => window.jupyterapp.shell.currentWidget?.content?.widgets
+    ?.map((cell) => [cell.model.executionCount, cell.model.executionState])"""
 HARMLESS = ("favicon", "ResizeObserver loop")  # a host's own remarks
 VOILA_TROUBLES = ("ERR_NAME_NOT_RESOLVED", "ERR_INTERNET_DISCONNECTED", "shared module")  # and those of Voila
 
@@ -287,6 +293,7 @@ class Notebook:
 
     def run_all(self) -> None:
         """Run all cells and wait until the kernel is done with them."""
+        self.page.wait_for_function(HAS_CELLS)
         self.page.evaluate("() => window.jupyterapp.commands.execute('notebook:run-all-cells')")
 
     def restart(self) -> None:
@@ -334,11 +341,16 @@ class Notebook:
     def view(self, index: int = 0) -> View:
         """The n-th view of the notebook, once its first frame is drawn."""
         root = self.page.locator(".scenewidget").nth(index)
-        root.wait_for(state="attached")
+        until(self.page, lambda: self.page.locator(".scenewidget").count() > index, self._no_view)
         root.evaluate("root => root.scrollIntoView({ block: 'center' })")  # off screen, nothing is drawn
         view = View(self.page, root)
         view.wait("ready", "true")
         return view
+
+    def _no_view(self) -> str:
+        shown = self.page.locator(".jp-Notebook").all_inner_texts()
+        counts = self.page.evaluate(EXECUTION_COUNTS)
+        return f"there is no such view; cells {counts}, on the page: {shown}, in the console: {self.errors}"
 
     def close(self) -> None:
         """End the kernel and the page."""
