@@ -8,6 +8,7 @@ own. Normals can't see a step of a centimetre; a map of heights over the plane c
 from __future__ import annotations
 
 import heapq
+import itertools
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -77,13 +78,13 @@ def separate_reliefs(
         return labels
     with ThreadPoolExecutor(n_threads) as pool:
         maps = list(pool.map(lambda members: _maps(_points(items, members), cell), walls))
-    step = max(step, UNEVEN * _unevenness([seams for wall in maps for _, _, seams in wall]))
-    labels = labels.copy()
-    n_labels = len(planes.areas)
-    for members, wall in zip(walls, maps):
-        for relief in _reliefs(items.areas, members, wall, step, smallest):
-            labels[relief] = n_labels
-            n_labels += 1
+        step = max(step, UNEVEN * _unevenness([seams for wall in maps for _, _, seams in wall]))
+        reliefs = pool.map(
+            lambda members, wall: _reliefs(items.areas, members, wall, step, smallest), walls, maps
+        )
+        labels = labels.copy()
+        for label, relief in enumerate(itertools.chain.from_iterable(reliefs), len(planes.areas)):
+            labels[relief] = label
     return labels
 
 
@@ -331,35 +332,98 @@ def _merged(nodes: IntArray, seams: _Seams, step: float) -> IntArray:
     always that of all cells between two regions.
     """
     parent = np.arange(int(nodes.max()) + 1)
-    around: dict[int, dict[int, tuple[float, float, float]]] = {int(node): {} for node in nodes}
-    for (i, j), rise, ridge, length in zip(
-        seams.pairs.tolist(), seams.step.tolist(), seams.ridge.tolist(), seams.length.tolist()
-    ):
-        around[i][j], around[j][i] = (rise, ridge, length), (-rise, ridge, length)
-
-    def entry(i: int, j: int) -> tuple[float, int, int, tuple[float, float, float]]:
-        rise, ridge, length = seam = around[i][j]
-        return max(abs(rise), abs(ridge)) / length + DOUBT / length**0.5, i, j, seam
-
-    heap = [entry(i, j) for i, j in seams.pairs.tolist()]
-    heapq.heapify(heap)
-    while heap:
-        _, i, j, seam = heapq.heappop(heap)
-        if i not in around or around[i].get(j) != seam or max(abs(seam[0]), abs(seam[1])) > step * seam[2]:
-            continue
-        if len(around[i]) < len(around[j]):
-            i, j = j, i
-        parent[j] = i
-        del around[i][j], around[j][i]
-        for k, (rise, ridge, length) in around.pop(j).items():
-            del around[k][j]
-            old = around[i].get(k, (0.0, 0.0, 0.0))
-            rise, ridge, length = old[0] + rise, old[1] + ridge, old[2] + length
-            around[i][k], around[k][i] = (rise, ridge, length), (-rise, ridge, length)
-            heapq.heappush(heap, entry(i, k))
+    if len(seams.pairs):
+        _merge(parent, seams.pairs, seams.step.copy(), seams.ridge.copy(), seams.length.copy(), step)
     while not np.array_equal(parent, parent[parent]):
         parent = parent[parent]
     return parent
+
+
+@numba.njit(cache=True, nogil=True)
+def _merge(parent, pairs, rise, ridge, length, step):  # type: ignore[no-untyped-def]
+    """Sets the parent of each node that is joined to another; the sums are overwritten.
+
+    Each seam is in the lists of both its ends, as entry 2 s in that of its first and 2 s + 1 in that of its
+    second end; rise is from the first to the second.
+    """
+    n, m = len(parent), len(pairs)
+    ends = pairs.copy()
+    head = np.full(n, -1)  # first entry in the list of a node
+    after, before = np.full(2 * m, -1), np.full(2 * m, -1)
+    degree = np.zeros(n, np.int64)
+    turn = np.zeros(m, np.int64)  # how often a seam has changed: what the heap has of it may be stale
+    seam_to = np.full(n, -1)  # from the node at hand
+    for s in range(m):
+        for side in range(2):
+            _insert(head, after, before, ends[s, side], 2 * s + side)
+            degree[ends[s, side]] += 1
+    heap = [(_doubt(rise, ridge, length, s), ends[s, 0], ends[s, 1], s, 0) for s in range(m)]
+    heapq.heapify(heap)
+    while len(heap) > 0:
+        _, i, j, s, version = heapq.heappop(heap)
+        if version != turn[s] or max(abs(rise[s]), abs(ridge[s])) > step * length[s]:
+            continue
+        if degree[i] < degree[j]:
+            i, j = j, i
+        parent[j] = i
+        turn[s] = -1
+        for side in range(2):
+            _remove(head, after, before, ends[s, side], 2 * s + side)
+            degree[ends[s, side]] -= 1
+        entry = head[i]
+        while entry >= 0:
+            seam_to[ends[entry // 2, 1 - entry % 2]] = entry // 2
+            entry = after[entry]
+        entry = head[j]
+        while entry >= 0:
+            s, side, following = entry // 2, entry % 2, after[entry]
+            k = ends[s, 1 - side]
+            old = seam_to[k]
+            if old >= 0:
+                # both from i to k
+                turned = (ends[old, 0] == i) != (side == 0)
+                rise[old] += -rise[s] if turned else rise[s]
+                ridge[old] += ridge[s]
+                length[old] += length[s]
+                turn[s] = -1
+                _remove(head, after, before, k, 2 * s + 1 - side)
+                degree[k] -= 1
+                s = old
+            else:
+                ends[s, side] = i
+                _insert(head, after, before, i, entry)
+                degree[i] += 1
+            turn[s] += 1
+            heapq.heappush(heap, (_doubt(rise, ridge, length, s), i, k, s, turn[s]))
+            entry = following
+        entry = head[i]
+        while entry >= 0:
+            seam_to[ends[entry // 2, 1 - entry % 2]] = -1
+            entry = after[entry]
+
+
+@numba.njit(cache=True, nogil=True)
+def _doubt(rise, ridge, length, s):  # type: ignore[no-untyped-def]
+    return max(abs(rise[s]), abs(ridge[s])) / length[s] + DOUBT / length[s] ** 0.5
+
+
+@numba.njit(cache=True, nogil=True)
+def _insert(head, after, before, node, entry):  # type: ignore[no-untyped-def]
+    """Put an entry at the head of a node's list."""
+    after[entry], before[entry] = head[node], -1
+    if head[node] >= 0:
+        before[head[node]] = entry
+    head[node] = entry
+
+
+@numba.njit(cache=True, nogil=True)
+def _remove(head, after, before, node, entry):  # type: ignore[no-untyped-def]
+    if before[entry] >= 0:
+        after[before[entry]] = after[entry]
+    else:
+        head[node] = after[entry]
+    if after[entry] >= 0:
+        before[after[entry]] = before[entry]
 
 
 def _mean_step(seams: _Seams, ends: IntArray, around: BoolArray, region: int) -> float:

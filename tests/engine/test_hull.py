@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 import shapes
+from hypothesis import given
+from hypothesis import strategies as st
 
 from scenewidget.engine.hull import join_planes, segment_planes
 from scenewidget.engine.items import _build, simplified_items
 from scenewidget.engine.mesh import Mesh, face_adjacency
-from scenewidget.engine.relief import separate_reliefs
+from scenewidget.engine.relief import DOUBT, _merged, _Seams, separate_reliefs
 
 
 def faces_as_items(mesh):
@@ -200,3 +202,33 @@ def test_a_turned_and_moved_floor_gives_the_same_parts():
     expected = separate_reliefs(items, nothing)
     assert expected.max() == 1
     assert (separate_reliefs(patches(moved, items.item_of_face), nothing) == expected).mean() > 0.97
+
+
+def joined_by_definition(n, pairs, sums, step):
+    """Regions after joining the surest two again and again, their sums counted anew each time."""
+    region = np.arange(n)
+    while True:
+        best = None
+        for a in np.unique(region):
+            for b in np.unique(region[region > a]):
+                ends = region[pairs]
+                along = (ends == (a, b)).all(axis=1), (ends == (b, a)).all(axis=1)
+                rise, ridge, length = sums[along[0]].sum(axis=0) + sums[along[1]].sum(axis=0) * (-1, 1, 1)
+                height = max(abs(rise), abs(ridge))
+                if length > 0 and height <= step * length:
+                    best = min(best or (np.inf,), (height / length + DOUBT / length**0.5, a, b))
+        if best is None:
+            return region
+        region[region == best[2]] = best[1]
+
+
+@given(st.integers(2, 9), st.floats(0.2, 1.0), st.integers(0, 2**32 - 1))
+def test_regions_are_joined_surest_first_by_the_sums_over_their_seams(n, density, seed):
+    rng = np.random.default_rng(seed)
+    pairs = np.stack(np.triu_indices(n, 1), axis=1)
+    pairs = pairs[rng.random(len(pairs)) < density]
+    length = rng.integers(1, 20, len(pairs)).astype(float)
+    rise, ridge = rng.normal(0, 0.01, (2, len(pairs))) * length
+    roots = _merged(np.arange(n), _Seams(pairs, rise, ridge, length), 0.008)
+    expected = joined_by_definition(n, pairs, np.stack([rise, ridge, length], axis=1), 0.008)
+    np.testing.assert_array_equal(roots[:, None] == roots, expected[:, None] == expected)
