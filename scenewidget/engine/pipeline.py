@@ -343,17 +343,22 @@ def stages(params: Params) -> dict[str, Stage]:
             convex_weights=p.convex_weights if p.n_runs else (),
             hop=p.hop,
         ),
+    ]
+    graph_runs: tuple[str, ...] = ()
+    if p.n_graph_runs:
+        options = {"n_runs": p.n_graph_runs, "exponent": p.cost_exponent, "hop": p.hop, "seed": p.seed}
+        table.append(stage("graph_runs", _graph_runs, "items", **options))
+        graph_runs = ("graph_runs",)
+    table += [
         stage(
             "ensemble",
             _ensemble,
             "items",
             "distances",
             "allocation",
+            *graph_runs,
             k_range=p.k_bounds,
             n_runs=p.n_runs,
-            n_graph_runs=p.n_graph_runs,
-            exponent=p.cost_exponent,
-            hop=p.hop,
             init=p.init,
             merge=(p.merge_flatness, p.merge_normal, p.merge_seam) if p.merge else None,
             seed=p.seed,
@@ -564,51 +569,49 @@ def _warn_of_vanishing_features(steps: FloatArray, costs: FloatArray) -> None:
         )
 
 
+def _graph_runs(
+    mesh: Mesh, items: Items, *, monitor: Monitor, n_runs: int, exponent: float, hop: float, seed: int
+) -> IntArray:
+    return felzenszwalb_members(
+        items,
+        n_runs=n_runs,
+        cost_exponent=exponent,
+        hop=hop,
+        seed=seed,
+        n_threads=_n_threads(),
+        monitor=monitor,
+    )
+
+
 def _ensemble(
     mesh: Mesh,
     items: Items,
     distances: tuple[Any, ...],
     share: FloatArray,
+    graph_runs: IntArray | None = None,
     *,
     monitor: Monitor,
     k_range: tuple[int, int],
     n_runs: int,
-    n_graph_runs: int,
-    exponent: float,
-    hop: float,
     init: Any,
     merge: tuple[float, float, float] | None,
     seed: int,
 ) -> IntArray:
-    thresholds = None if merge is None else dict(zip(("flatness", "normal", "seam"), merge))
-    keys = []
+    keys = [] if graph_runs is None else [graph_runs]
     if n_runs:
-        keys.append(
-            k_medoids_members(
-                items,
-                distances,
-                share,
-                k_range=k_range,
-                n_runs=n_runs,
-                init=init,
-                merge=thresholds,
-                seed=seed,
-                n_threads=_n_threads(),
-                monitor=monitor,
-            )
+        runs = k_medoids_members(
+            items,
+            distances,
+            share,
+            k_range=k_range,
+            n_runs=n_runs,
+            init=init,
+            merge=None if merge is None else dict(zip(("flatness", "normal", "seam"), merge)),
+            seed=seed,
+            n_threads=_n_threads(),
+            monitor=monitor,
         )
-    if n_graph_runs:
-        keys.append(
-            felzenszwalb_members(
-                items,
-                n_runs=n_graph_runs,
-                cost_exponent=exponent,
-                hop=hop,
-                seed=seed,
-                n_threads=_n_threads(),
-                monitor=monitor,
-            )
-        )
+        keys.insert(0, runs)
     return np.concatenate(keys, axis=1)
 
 

@@ -12,6 +12,7 @@ STAGE_NAMES = {
     "eigenbasis": "Solving for eigenfunctions",
     "features": "Computing features",
     "distances": "Measuring distances",
+    "graph_runs": "Segmenting the graph many times",
     "ensemble": "Clustering many times",
     "coassociation": "Comparing the clusterings",
     "tree": "Building the consensus tree",

@@ -82,7 +82,8 @@ def test_after_any_walk_of_changes_the_memo_gives_what_a_fresh_run_gives(walk, f
 FINISH = {"finish", "segmentation"}
 ENSEMBLE = {"ensemble", "coassociation", "tree", "consensus"} | FINISH
 DISTANCES = {"distances"} | ENSEMBLE
-ITEMS = {"items", "dihedral", "allocation"} | DISTANCES
+GRAPH_RUNS = {"graph_runs"} | ENSEMBLE
+ITEMS = {"items", "dihedral", "allocation"} | GRAPH_RUNS | DISTANCES
 
 
 def recomputed(pipe, params):
@@ -104,12 +105,13 @@ def recomputed(pipe, params):
         ({"granularity": 9}, {"family", "granularity"}),
         ({"k_range": (5, 9)}, ENSEMBLE),
         ({"n_runs": 3}, ENSEMBLE),
-        ({"n_graph_runs": 3}, ENSEMBLE),
-        ({"seed": 1}, ENSEMBLE),
+        ({"n_graph_runs": 3}, GRAPH_RUNS),
+        ({"seed": 1}, GRAPH_RUNS),
         ({"merge": True}, ENSEMBLE),
         ({"init": "outmost"}, ENSEMBLE),
         ({"allocation": "same"}, {"allocation"} | ENSEMBLE),
-        ({"cost_exponent": 1.5}, DISTANCES),
+        ({"cost_exponent": 1.5}, GRAPH_RUNS | DISTANCES),
+        ({"hop": 0.01}, GRAPH_RUNS | DISTANCES),
         ({"cost_a": 1.1}, DISTANCES),
         ({"cost_b": -0.9}, DISTANCES),
         ({"convex_weights": (0.3,)}, DISTANCES),
