@@ -7,6 +7,8 @@ partition (thesis 3.5).
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Literal, NamedTuple
 
 import numba
@@ -32,6 +34,8 @@ __all__ = [
 ]
 
 Leftover = Literal["alone", "argmax", "linkage"]
+
+BLOCK = 128  # rows of the co-association matrix that a thread counts at a time
 
 
 class CoAssociation(NamedTuple):
@@ -66,7 +70,7 @@ def base_segments(keys: IntArray) -> IntArray:
     return by_first_appearance(rows)
 
 
-def co_association(keys: IntArray, weights: FloatArray | None = None) -> CoAssociation:
+def co_association(keys: IntArray, weights: FloatArray | None = None, *, n_threads: int = 2) -> CoAssociation:
     """Co-association matrix of the base segments of an ensemble.
 
     Parameters
@@ -75,6 +79,8 @@ def co_association(keys: IntArray, weights: FloatArray | None = None) -> CoAssoc
         Cluster of each item in each run; −1 where the run did not see the item (partial evidence).
     weights : (n_items,) float, optional
         Areas; 1 each by default.
+    n_threads : int
+        Doesn't change the result.
 
     Returns
     -------
@@ -100,43 +106,52 @@ def co_association(keys: IntArray, weights: FloatArray | None = None) -> CoAssoc
     first = np.full(n_base, len(base), dtype=np.int64)
     np.minimum.at(first, base, np.arange(len(base)))
     table = np.ascontiguousarray(keys[first], dtype=np.int32)
-    C: FloatArray = _count_equal(table)  # dense (n_base, n_base) float64: 800 MB at 10 000
+    C = _counted(_count_equal, table, n_threads)  # dense (n_base, n_base) float64: 800 MB at 10 000
     observed: FloatArray = np.broadcast_to(1.0, C.shape)
     if table.min() >= 0:
         C /= keys.shape[1]
     else:
-        seen = _count_both(table)
+        seen = _counted(_count_both, table, n_threads)
         np.divide(C, seen, out=C, where=seen > 0)
         observed = seen / keys.shape[1]
     return CoAssociation(C, np.bincount(base, weights, n_base).astype(np.float64), base, observed)
 
 
+def _counted(
+    count: Callable[[IntArray, FloatArray, int, int], None], table: IntArray, n_threads: int
+) -> FloatArray:
+    """(n, n) of how many columns pairs of rows have in common, in the sense of ``count``."""
+    n = len(table)
+    out = np.empty((n, n))
+    if n_threads == 1 or n <= BLOCK:
+        count(table, out, 0, n)
+        return out
+    with ThreadPoolExecutor(n_threads) as pool:
+        for _ in pool.map(lambda first: count(table, out, first, min(first + BLOCK, n)), range(0, n, BLOCK)):
+            pass
+    return out
+
+
 @numba.njit(cache=True, nogil=True)
-def _count_equal(table):  # type: ignore[no-untyped-def]
-    """Runs in which two rows fall in one cluster; -1 falls in none."""
-    n, runs = table.shape
-    together = np.empty((n, n))
-    for i in range(n):
+def _count_equal(table, out, first, last):  # type: ignore[no-untyped-def]
+    """Runs in which two rows fall in one cluster; −1 falls in none. Of rows from ``first`` to all before."""
+    for i in range(first, last):
         for j in range(i + 1):
             equal = 0
-            for r in range(runs):
+            for r in range(table.shape[1]):
                 equal += table[i, r] == table[j, r] and table[i, r] >= 0
-            together[i, j] = together[j, i] = equal
-    return together
+            out[i, j] = out[j, i] = equal
 
 
 @numba.njit(cache=True, nogil=True)
-def _count_both(table):  # type: ignore[no-untyped-def]
+def _count_both(table, out, first, last):  # type: ignore[no-untyped-def]
     """Runs that saw both rows."""
-    n, runs = table.shape
-    seen = np.empty((n, n))
-    for i in range(n):
+    for i in range(first, last):
         for j in range(i + 1):
             both = 0
-            for r in range(runs):
+            for r in range(table.shape[1]):
                 both += table[i, r] >= 0 and table[j, r] >= 0
-            seen[i, j] = seen[j, i] = both
-    return seen
+            out[i, j] = out[j, i] = both
 
 
 def mean_agreement(C: FloatArray, base: IntArray, segment: IntArray, weights: FloatArray) -> FloatArray:

@@ -616,7 +616,7 @@ def _ensemble(
 
 
 def _coassociation(mesh: Mesh, items: Items, keys: IntArray, *, monitor: Monitor) -> CoAssociation:
-    return co_association(keys, items.areas)
+    return co_association(keys, items.areas, n_threads=_n_threads())
 
 
 def _tree(mesh: Mesh, co: CoAssociation, *, monitor: Monitor) -> FloatArray:

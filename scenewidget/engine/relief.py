@@ -108,7 +108,7 @@ def _reliefs(
     accumulation as in `consensus`.
     """
     keys = [_regions(areas, *parts, step, smallest)[members] for parts in maps]
-    co = co_association(np.stack(keys, axis=1), areas[members])
+    co = co_association(np.stack(keys, axis=1), areas[members], n_threads=1)
     region = cut_tree(average_linkage(co.C, co.weights), similarity=0.5)[co.base]
     area = np.bincount(region, areas[members])
     is_relief = area >= smallest
