@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from scenewidget.engine.checks import checked_count
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.metrics import (
@@ -132,8 +133,7 @@ def reliability(
 
     if not isinstance(segmentation, Segmentation):
         raise TypeError(f"segmentation must be a Segmentation, got {type(segmentation).__name__}")
-    if isinstance(n_bins, bool) or not isinstance(n_bins, (int, np.integer)) or n_bins < 1:
-        raise ValueError(f"n_bins must be a whole number from 1, got {n_bins!r}")
+    n_bins = checked_count("n_bins", n_bins)
     _, actual = checked_truth(truth, segmentation.mesh)
     keep = (segmentation.labels >= 0) & (actual >= 0)
     label = segmentation.labels[keep]

@@ -171,5 +171,5 @@ def test_reliability_refuses_what_it_cannot_judge():
     labels = np.zeros(mesh.n_faces, int)
     with pytest.raises(TypeError, match="segmentation must be a Segmentation, got ndarray"):
         reliability(labels, labels)
-    with pytest.raises(ValueError, match="n_bins must be a whole number from 1, got 0"):
+    with pytest.raises(ValueError, match="n_bins must be at least 1, got 0"):
         reliability(Segmentation.from_labels(mesh, labels), labels, n_bins=0)

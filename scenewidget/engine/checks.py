@@ -26,14 +26,11 @@ def checked_count(name: str, value: Any, *, most: int | None = None) -> int:
     Raises
     ------
     TypeError
-        Not a whole number (2.0 is not one).
+        Not a whole number; neither True nor 2.0 is one.
     ValueError
         Out of range.
     """
-    try:
-        count = operator.index(value)
-    except TypeError:
-        raise TypeError(f"{name} must be a whole number, got {value!r}") from None
+    count = checked_whole(name, value)
     if count < 1:
         raise ValueError(f"{name} must be at least 1, got {count}")
     if most is not None and count > most:

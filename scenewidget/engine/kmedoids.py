@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numba
 import numpy as np
 
+from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.mesh import IntArray
 
 __all__ = ["BACKENDS", "INITS", "KMedoidsResult", "alternate", "initial_medoids", "k_medoids"]
@@ -87,13 +88,12 @@ def k_medoids(
     """
     D = _checked_distances(D)
     n = len(D)
-    if not isinstance(k, (int, np.integer)) or isinstance(k, bool):
-        raise TypeError(f"k must be a whole number, got {k!r}")
+    k = checked_whole("k", k)
     if not 1 <= k <= n:
         raise ValueError(f"k must lie in 1..{n} (the number of items), got {k}")
     if backend not in BACKENDS:
         raise ValueError(f"backend must be one of {', '.join(map(repr, BACKENDS))}, got {backend!r}")
-    medoids = initial_medoids(D, int(k), init=init, seed=seed)
+    medoids = initial_medoids(D, k, init=init, seed=seed)
     if backend == "sklearn-extra":
         return _sklearn_extra(D, medoids)
     return alternate(D, medoids)

@@ -19,6 +19,7 @@ from typing import Any, Literal
 import numba
 import numpy as np
 
+from scenewidget.engine.checks import checked_count
 from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.monitor import SILENT, Monitor
@@ -149,10 +150,7 @@ def _checked(C: Any, weights: Any, n_clusters: Any) -> tuple[FloatArray, FloatAr
         raise ValueError("weights must be finite, not negative, and not all zero")
     if weights.ndim == 2 and not _is_symmetric(weights, 1e-9 * float(weights.max())):
         raise ValueError("weights must be symmetric where they are given for pairs")
-    if isinstance(n_clusters, bool) or not isinstance(n_clusters, (int, np.integer)):
-        raise TypeError(f"n_clusters must be a whole number, got {n_clusters!r}")
-    if n_clusters < 1:
-        raise ValueError(f"n_clusters must be at least 1, got {n_clusters}")
+    checked_count("n_clusters", n_clusters)
     return C, weights / weights.sum()
 
 

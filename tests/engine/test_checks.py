@@ -33,7 +33,7 @@ def test_leftovers_come_with_advice():
         segment(ball, params)
 
 
-@pytest.mark.parametrize("value", [2.0, "2", None])
+@pytest.mark.parametrize("value", [2.0, "2", None, True])
 def test_only_whole_numbers_count(value):
     with pytest.raises(TypeError, match="k must be a whole number"):
         checked_count("k", value)
