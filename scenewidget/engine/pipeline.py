@@ -680,6 +680,7 @@ def _trees(mesh: Mesh, co: CoAssociation, items: Items, *, monitor: Monitor) -> 
     component = _component(co, items)
     trees = []
     for c in range(int(component.max()) + 1):
+        monitor.tick()
         inside = np.flatnonzero(component == c)
         weights = co.weights[inside]
         trees.append(average_linkage(_evidence(co, inside), weights / (weights.sum() or 1.0)))
