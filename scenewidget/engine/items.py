@@ -121,6 +121,19 @@ class Items:
         return order, np.searchsorted(self.item_of_face[order], np.arange(self.n + 1))
 
     @cached_property
+    def face_tints(self) -> FloatArray | None:
+        """(2, mesh.n_faces) red against green and yellow against blue; None without colours.
+
+        From the logarithms of the channels: shadows don't change them, and 0.1 is a tenth.
+        """
+        colors = self.mesh.vertex_colors
+        if colors is None:
+            return None
+        logs = np.log(colors.astype(np.float64) + 10.0)  # the darkest are mostly noise
+        r, g, b = logs[self.mesh.faces].mean(axis=1).T
+        return np.stack([r - g, (r + g) / 2 - b])
+
+    @cached_property
     def component(self) -> IntArray:
         """(n,) int32 connected component of each item."""
         return connected_components(self.n, self.pairs)[1]

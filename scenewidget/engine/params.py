@@ -57,6 +57,7 @@ _RANGES: dict[str, tuple[float, float]] = {  # inclusive
     "merge_seam": (-1, 1),
     "linkage_similarity": (0, 1),
     "relief": (0, math.inf),
+    "contrast": (0, math.inf),
     "furniture_similarity": (0, 1),
     "min_area": (0, math.inf),
     "seed": (0, 2**63 - 1),
@@ -165,6 +166,9 @@ class Params:
     relief : float
         What stands out of a wall or floor by a step of this height (metres) is a segment of its own: doors,
         pictures, carpets. 0 leaves them with the wall, as in the thesis.
+    contrast : float
+        Where the scan has colours, what differs in tint from the wall or floor round it by so much is a
+        segment of its own, too; see `Items.face_tints`. 0 looks at no colours, as in the thesis.
     furniture_similarity : float
         Mean co-association down to which segments that touch are joined where they are no wall, floor or
         ceiling: a cut that keeps doors from walls leaves sofas in pieces. 1 joins none. Thesis: 1.
@@ -209,6 +213,7 @@ class Params:
     leftover: Leftover = "alone"
     join_planes: bool = True
     relief: float = 0.008
+    contrast: float = 0.07
     furniture_similarity: float = 0.4
     min_area: float = 0.02
     granularity: int | None = None
@@ -245,6 +250,7 @@ class Params:
             "consensus": "peac",
             "join_planes": False,
             "relief": 0.0,
+            "contrast": 0.0,
             "furniture_similarity": 1.0,
             "min_area": 0.0,
         }

@@ -50,7 +50,7 @@ from scenewidget.engine.monitor import Monitor, Progress
 from scenewidget.engine.operators import Eigenbasis, eigenbasis
 from scenewidget.engine.orientation import Orientation, oriented
 from scenewidget.engine.params import Params
-from scenewidget.engine.relief import separate_reliefs
+from scenewidget.engine.relief import separate_reliefs, separate_tints
 from scenewidget.engine.segmentation import Segmentation, order_by_area
 
 __all__ = ["Pipeline", "segment"]
@@ -404,6 +404,7 @@ def stages(params: Params) -> dict[str, Stage]:
             "consensus",
             planes=p.join_planes,
             relief=p.relief,
+            contrast=p.contrast,
             furniture=p.furniture_similarity,
             min_area=p.min_area,
         ),
@@ -422,6 +423,7 @@ def stages(params: Params) -> dict[str, Stage]:
                 "segmentation",
                 planes=p.join_planes,
                 relief=p.relief,
+                contrast=p.contrast,
                 min_area=p.min_area,
             ),
             stage("granularity", _cut, "family", n_segments=p.granularity),
@@ -742,22 +744,27 @@ def _finish(
     monitor: Monitor,
     planes: bool,
     relief: float,
+    contrast: float,
     furniture: float,
     min_area: float,
 ) -> tuple[IntArray, FloatArray]:
     """(n_items,) label of each item, and how much the ensemble agrees with it."""
     pieces = connected_pieces(consensus[co.base], items.pairs)
-    labels = _finished(items, pieces, planes, relief, min_area)
+    labels = _finished(items, pieces, planes, relief, contrast, min_area)
     if furniture < 1:
         labels = join_furniture(items, labels, co, similarity=furniture)
     return labels, _confidence(co, pieces)
 
 
-def _finished(items: Items, labels: IntArray, planes: bool, relief: float, min_area: float) -> IntArray:
+def _finished(
+    items: Items, labels: IntArray, planes: bool, relief: float, contrast: float, min_area: float
+) -> IntArray:
     if planes:
         labels = join_planes(items, labels)
     if relief > 0:
         labels = separate_reliefs(items, labels, step=relief)
+    if contrast > 0:
+        labels = separate_tints(items, labels, contrast=contrast)
     return absorb_small(items, labels, min_area) if min_area > 0 else labels
 
 
@@ -811,10 +818,13 @@ def _family(
     monitor: Monitor,
     planes: bool,
     relief: float,
+    contrast: float,
     min_area: float,
 ) -> Family:
     fine = connected_pieces(cut_tree(tree, similarity=FINE_SIMILARITY)[co.base], items.pairs)
-    return make_family(segmentation, _finished(items, fine, planes, relief, min_area), co, smallest=min_area)
+    return make_family(
+        segmentation, _finished(items, fine, planes, relief, contrast, min_area), co, smallest=min_area
+    )
 
 
 def _cut(mesh: Mesh, family: Family, *, monitor: Monitor, n_segments: int) -> Segmentation:

@@ -1,8 +1,9 @@
 """What lies on a floor or hangs on a wall, nearly in its plane: carpets, doors, pictures.
 
 Goes in: labels in which the hull of the room is whole. Comes out: labels in which regions that stand out
-from their wall or floor by a small step, or behind a ridge as a door behind its frame, are segments of their
-own. Normals can't see a step of a centimetre; a map of heights over the plane can. Not in the thesis.
+from their wall or floor by a small step, or behind a ridge as a door behind its frame, or by their tint, are
+segments of their own. Normals can't see a step of a centimetre; a map of heights over the plane can, and
+where the walls are less even than that, a map of tints. Not in the thesis.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from scenewidget.engine.hull import segment_planes
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 
-__all__ = ["separate_reliefs"]
+__all__ = ["separate_reliefs", "separate_tints"]
 
 FACING = 0.7  # least dot product with the plane's normal of what is in the map: no flanks, no shells
 LARGE = 0.3  # of the wall's main region; larger ones must stand out more: scans bend walls and shift halves
@@ -32,7 +33,7 @@ UNEVEN = 5.0  # a step is this many times the unevenness of the walls
 REACH = 2  # cells; narrow items this near to a broad one are the rim of a step
 RIM = 1  # cells; an item that nowhere holds a square of 2 RIM + 1 cells is narrow
 SURROUNDED = 0.5  # of its outline, along which a region borders on its wall: a shifted part lies at the edge
-DOUBT = 0.02  # metres over the root of a seam's cells: long seams are decided first
+DOUBT = 2.5  # steps over the root of a seam's cells: long seams are decided first
 
 
 def separate_reliefs(
@@ -68,6 +69,51 @@ def separate_reliefs(
     labels : (n_items,) int32
         Dense.
     """
+    return _separated(items, labels, None, step, smallest, cell, n_threads)
+
+
+def separate_tints(
+    items: Items,
+    labels: IntArray,
+    *,
+    contrast: float = 0.07,
+    smallest: float = 0.1,
+    cell: float = 0.03,
+    n_threads: int = 2,
+) -> IntArray:
+    """Part what differs in tint from the wall, floor or ceiling round it; nothing where there are no colours.
+
+    As `separate_reliefs`, with maps of tints (see `Items.face_tints`) in place of heights.
+
+    Parameters
+    ----------
+    items : Items
+    labels : (n_items,) int32
+        Dense.
+    contrast : float
+        Least mean step of a tint, or of a stripe, along a region's seam.
+    smallest, cell, n_threads
+        As there.
+
+    Returns
+    -------
+    labels : (n_items,) int32
+        Dense.
+    """
+    tints = items.face_tints
+    return labels if tints is None else _separated(items, labels, tints, contrast, smallest, cell, n_threads)
+
+
+def _separated(
+    items: Items,
+    labels: IntArray,
+    values: FloatArray | None,
+    step: float,
+    smallest: float,
+    cell: float,
+    n_threads: int,
+) -> IntArray:
+    """Regions parted by (n_values, n_faces) values of the faces; by their heights over the wall for None."""
     planes = segment_planes(items, labels)
     inside = items.normals @ planes.normals[planes.is_hull].T > FACING
     walls = [
@@ -77,10 +123,11 @@ def separate_reliefs(
     if not walls:
         return labels
     with ThreadPoolExecutor(n_threads) as pool:
-        maps = list(pool.map(lambda members: _maps(_points(items, members), cell), walls))
-        step = max(step, UNEVEN * _unevenness([seams for wall in maps for _, _, seams in wall]))
+        maps = list(pool.map(lambda members: _maps(_points(items, members, values), cell), walls))
+        uneven = _unevenness([seams for wall in maps for _, _, seams in wall])
+        steps = np.maximum(step, UNEVEN * uneven)
         reliefs = pool.map(
-            lambda members, wall: _reliefs(items.areas, members, wall, step, smallest), walls, maps
+            lambda members, wall: _reliefs(items.areas, members, wall, steps, smallest), walls, maps
         )
         labels = labels.copy()
         for label, relief in enumerate(itertools.chain.from_iterable(reliefs), len(planes.areas)):
@@ -88,26 +135,29 @@ def separate_reliefs(
     return labels
 
 
-def _unevenness(seams: list[_Seams]) -> float:
-    """Median of the mean step along a seam, by length, metres: most seams lie within one surface."""
+def _unevenness(seams: list[_Seams]) -> FloatArray:
+    """(n_values,) median of the mean step along a seam, by length: most seams lie within one surface."""
     length = np.concatenate([s.length for s in seams])
+    means = np.abs(np.concatenate([s.step for s in seams], axis=1)) / length
     if len(length) == 0:
-        return 0.0
-    mean = np.abs(np.concatenate([s.step for s in seams])) / length
-    order = np.argsort(mean)
-    half = np.searchsorted(np.cumsum(length[order]), 0.5 * length.sum())
-    return float(mean[order[half]])
+        return np.zeros(len(means))
+    order = np.argsort(means, axis=1)
+    half = (np.cumsum(length[order], axis=1) < 0.5 * length.sum()).sum(axis=1)
+    return np.asarray(means[np.arange(len(means)), order[np.arange(len(means)), half]])
 
 
 def _reliefs(
-    areas: FloatArray, members: IntArray, maps: list[_Map], step: float, smallest: float
+    areas: FloatArray, members: IntArray, maps: list[_Map], steps: FloatArray, smallest: float
 ) -> list[IntArray]:
     """Items of each region that stands out of the wall.
 
     Where the cells happen to lie matters near the threshold: so several grids vote, by evidence
     accumulation as in `consensus`.
     """
-    keys = [_regions(areas, *parts, step, smallest)[members] for parts in maps]
+    keys = [
+        _regions(areas, item, whole, seams.in_units_of(steps), smallest)[members]
+        for item, whole, seams in maps
+    ]
     co = co_association(np.stack(keys, axis=1), areas[members], n_threads=1)
     region = cut_tree(average_linkage(co.C, co.weights), similarity=0.5)[co.base]
     area = np.bincount(region, areas[members])
@@ -116,11 +166,9 @@ def _reliefs(
     return [members[region == r] for r in np.flatnonzero(is_relief)]
 
 
-def _regions(
-    areas: FloatArray, item: IntArray, whole: IntArray, seams: _Seams, step: float, smallest: float
-) -> IntArray:
+def _regions(areas: FloatArray, item: IntArray, whole: IntArray, seams: _Seams, smallest: float) -> IntArray:
     """(n_items,) 1 and up for regions that stand out of the wall on one grid, 0 for all else."""
-    roots = _merged(np.unique(whole[whole >= 0]), seams, step)
+    roots = _merged(np.unique(whole[whole >= 0]), seams)
     cells = np.where(whole >= 0, roots[whole], -1)
     region = _most_frequent(item, cells, len(areas))
     area = np.bincount(region[region >= 0], areas[region >= 0], len(areas))
@@ -133,27 +181,27 @@ def _regions(
         around = is_between & (ends == r).any(axis=1)
         if r == main or surrounded[r] < SURROUNDED or not around.any():
             continue
-        if _mean_step(seams, ends, around, r) >= step * max(1.0, area[r] / (LARGE * area[main])):
+        if _mean_step(seams, ends, around, r) >= max(1.0, area[r] / (LARGE * area[main])):
             out[region == r] = r + 1
     return out
 
 
 @dataclass(frozen=True, eq=False)
 class _Points:
-    """Faces of a wall, item by item: where on its best plane, how high over it (either side may be up)."""
+    """Faces of a wall, item by item: where on its best plane, and their values or height over it."""
 
     foot: FloatArray  # (2, n)
-    height: FloatArray
+    values: FloatArray  # (n_values, n)
     area: FloatArray
     item: IntArray
 
 
 @dataclass(frozen=True, eq=False)
-class _HeightMap:
-    """Weights and heights times weights of the cells, and the item that has most of a cell, −1 for none."""
+class _ValueMap:
+    """Weights and values times weights of the cells, and the item that has most of a cell, −1 for none."""
 
     weight: FloatArray
-    height: FloatArray
+    values: FloatArray  # (n_values, rows, columns)
     item: IntArray
 
 
@@ -162,15 +210,19 @@ class _Seams:
     """Pairs of items, and sums over the cells along their seam: step (second less first), ridge, number."""
 
     pairs: IntArray
-    step: FloatArray
-    ridge: FloatArray
+    step: FloatArray  # (n_values, n_pairs)
+    ridge: FloatArray  # (n_values, n_pairs)
     length: FloatArray
+
+    def in_units_of(self, steps: FloatArray) -> _Seams:
+        """Steps and ridges as multiples of what counts as a step, (n_values,)."""
+        return _Seams(self.pairs, self.step / steps[:, None], self.ridge / steps[:, None], self.length)
 
 
 _Map = tuple[IntArray, IntArray, _Seams]  # items of the cells, also without rims, and seams of the latter
 
 
-def _points(items: Items, members: IntArray) -> _Points:
+def _points(items: Items, members: IntArray, values: FloatArray | None) -> _Points:
     order, start = items.faces_by_item
     faces = np.concatenate([order[start[i] : start[i + 1]] for i in members])
     area = items.mesh.face_areas[faces]
@@ -178,7 +230,8 @@ def _points(items: Items, members: IntArray) -> _Points:
     position -= np.average(position, axis=0, weights=area)  # a product's last bits depend on BLAS' threads
     _, axes = np.linalg.eigh((area[:, None] * position).T @ position)
     foot = np.ascontiguousarray(axes[:, 1:].T @ position.T)
-    return _Points(foot, position @ axes[:, 0], area, items.item_of_face[faces])
+    heights = (position @ axes[:, 0])[None]  # either side may be up
+    return _Points(foot, heights if values is None else values[:, faces], area, items.item_of_face[faces])
 
 
 def _maps(points: _Points, cell: float) -> list[_Map]:
@@ -188,27 +241,27 @@ def _maps(points: _Points, cell: float) -> list[_Map]:
     )
     maps = []
     for shift in SHIFTS:
-        heights = _height_map(points, cell, shift)
-        whole = _without_rims(heights.item)
-        maps.append((heights.item, whole, _seams(heights, whole)))
+        grid = _value_map(points, cell, shift)
+        whole = _without_rims(grid.item)
+        maps.append((grid.item, whole, _seams(grid, whole)))
     return maps
 
 
-def _height_map(points: _Points, cell: float, shift: tuple[float, float]) -> _HeightMap:
-    """Mean height of the faces in each cell, by area."""
+def _value_map(points: _Points, cell: float, shift: tuple[float, float]) -> _ValueMap:
+    """Mean values of the faces in each cell, by area."""
     offset = MARGIN - np.floor(points.foot.min(axis=1) / cell + shift)
     most = np.floor(points.foot.max(axis=1) / cell + shift) + offset
     shape = (int(most[1]) + MARGIN + 1, int(most[0]) + MARGIN + 1)
     across, along = np.asarray(shift) + offset
-    return _HeightMap(
-        *_rasterised(points.foot, points.height, points.area, points.item, cell, across, along, shape)
+    return _ValueMap(
+        *_rasterised(points.foot, points.values, points.area, points.item, cell, across, along, shape)
     )
 
 
 @numba.njit(cache=True, nogil=True)
-def _rasterised(foot, height, area, item, cell, across, along, shape):  # type: ignore[no-untyped-def]
-    """Weight, weight times height, and the item with most of each cell, the lowest of equals."""
-    weight, heights = np.zeros(shape), np.zeros(shape)
+def _rasterised(foot, values, area, item, cell, across, along, shape):  # type: ignore[no-untyped-def]
+    """Weight, weight times values, and the item with most of each cell, the lowest of equals."""
+    weight, sums = np.zeros(shape), np.zeros((len(values), *shape))
     winner, most = np.full(shape, -1, np.int32), np.zeros(shape)
     part = np.zeros(shape)  # of the item at hand
     rows, columns = np.empty(len(item), np.int32), np.empty(len(item), np.int32)
@@ -221,7 +274,8 @@ def _rasterised(foot, height, area, item, cell, across, along, shape):  # type: 
         while end < len(item) and item[end] == item[begin]:
             r, c = rows[end], columns[end]
             weight[r, c] += area[end]
-            heights[r, c] += area[end] * height[end]
+            for v in range(len(values)):
+                sums[v, r, c] += area[end] * values[v, end]
             part[r, c] += area[end]
             end += 1
         for f in range(begin, end):
@@ -232,7 +286,7 @@ def _rasterised(foot, height, area, item, cell, across, along, shape):  # type: 
         for f in range(begin, end):
             part[rows[f], columns[f]] = 0.0
         begin = end
-    return weight, heights, winner
+    return weight, sums, winner
 
 
 def _sums(place: IntArray, values: FloatArray, n_places: int) -> FloatArray:
@@ -272,43 +326,46 @@ def _without_rims(item: IntArray) -> IntArray:
     return np.where((item >= 0) & (distance <= REACH), item[rows, columns], item)
 
 
-def _seams(heights: _HeightMap, item: IntArray) -> _Seams:
+def _seams(grid: _ValueMap, item: IntArray) -> _Seams:
     """Steps and ridges between neighbouring cells of different items, summed over each pair of items.
 
-    The step is that between the mean heights of the third to fifth cells on both sides; what is nearer is
+    The step is that between the mean values of the third to fifth cells on both sides; what is nearer is
     rounded by the scan. The ridge is how much the two cells at the seam stand out of that mean.
     """
     first, second, steps, ridges = [], [], [], []
     for axis in (0, 1):
         beside = np.roll(item, -1, axis)
         at = np.nonzero((item >= 0) & (beside >= 0) & (item != beside))
-        nothing = np.zeros(len(at[0]))
-        here, there = (_mean(heights, at, axis, (k,), nothing) for k in (0, 1))
-        before = _mean(heights, at, axis, (-2, -3, -4), here)
-        after = _mean(heights, at, axis, (3, 4, 5), there)
+        nothing = np.zeros((len(grid.values), len(at[0])))
+        here, there = (_mean(grid, at, axis, (k,), nothing) for k in (0, 1))
+        before = _mean(grid, at, axis, (-2, -3, -4), here)
+        after = _mean(grid, at, axis, (3, 4, 5), there)
         i, j = item[at], beside[at]
         first.append(np.minimum(i, j))
         second.append(np.maximum(i, j))
         steps.append(np.where(i < j, after - before, before - after))
-        ridges.append(_mean(heights, at, axis, (0, 1), nothing) - (before + after) / 2)
+        ridges.append(_mean(grid, at, axis, (0, 1), nothing) - (before + after) / 2)
     low, high = np.concatenate(first), np.concatenate(second)
     n = int(item.max()) + 1
     code, inverse = np.unique(low * n + high, return_inverse=True)
-    step, ridge = (_sums(inverse, np.concatenate(values), len(code)) for values in (steps, ridges))
+    step, ridge = (
+        np.stack([_sums(inverse, row, len(code)) for row in np.concatenate(values, axis=1)])
+        for values in (steps, ridges)
+    )
     length = _sums(inverse, np.ones(len(inverse)), len(code))
     return _Seams(np.stack([code // n, code % n], axis=1), step, ridge, length)
 
 
 def _mean(
-    heights: _HeightMap, at: tuple[IntArray, ...], axis: int, shifts: tuple[int, ...], otherwise: FloatArray
+    grid: _ValueMap, at: tuple[IntArray, ...], axis: int, shifts: tuple[int, ...], otherwise: FloatArray
 ) -> FloatArray:
-    """Mean height of the cells so far along an axis from places; something else where all are empty."""
-    weight, height = np.zeros(len(otherwise)), np.zeros(len(otherwise))
+    """Mean values of the cells so far along an axis from places; something else where all are empty."""
+    weight, values = np.zeros(otherwise.shape[1]), np.zeros(otherwise.shape)
     for shift in shifts:
-        cells = tuple(places + shift if a == axis else places for a, places in enumerate(at))
-        weight += heights.weight[cells]
-        height += heights.height[cells]
-    return np.where(weight > 0, height / np.where(weight > 0, weight, 1.0), otherwise)
+        rows, columns = (places + shift if a == axis else places for a, places in enumerate(at))
+        weight += grid.weight[rows, columns]
+        values += grid.values[:, rows, columns]
+    return np.where(weight > 0, values / np.where(weight > 0, weight, 1.0), otherwise)
 
 
 def _surrounded(region: IntArray, n_regions: int) -> FloatArray:
@@ -325,7 +382,7 @@ def _surrounded(region: IntArray, n_regions: int) -> FloatArray:
     return np.asarray(inner[:-1] / np.maximum(outline[:-1], 1.0))
 
 
-def _merged(nodes: IntArray, seams: _Seams, step: float) -> IntArray:
+def _merged(nodes: IntArray, seams: _Seams) -> IntArray:
     """Root of each node after joining regions whose seam has no step, the surest first.
 
     Sure is a small mean along a long seam. Sums over seams add up when regions are joined, so the mean is
@@ -333,20 +390,21 @@ def _merged(nodes: IntArray, seams: _Seams, step: float) -> IntArray:
     """
     parent = np.arange(int(nodes.max()) + 1)
     if len(seams.pairs):
-        _merge(parent, seams.pairs, seams.step.copy(), seams.ridge.copy(), seams.length.copy(), step)
+        sums = np.concatenate([seams.step, seams.ridge])
+        _merge(parent, seams.pairs, np.ascontiguousarray(sums.T), seams.length.copy())
     while not np.array_equal(parent, parent[parent]):
         parent = parent[parent]
     return parent
 
 
 @numba.njit(cache=True, nogil=True)
-def _merge(parent, pairs, rise, ridge, length, step):  # type: ignore[no-untyped-def]
+def _merge(parent, pairs, sums, length):  # type: ignore[no-untyped-def]
     """Sets the parent of each node that is joined to another; the sums are overwritten.
 
     Each seam is in the lists of both its ends, as entry 2 s in that of its first and 2 s + 1 in that of its
-    second end; rise is from the first to the second.
+    second end; the sums are first those of the steps, from the first to the second, then those of the ridges.
     """
-    n, m = len(parent), len(pairs)
+    n, m, n_values = len(parent), len(pairs), sums.shape[1] // 2
     ends = pairs.copy()
     head = np.full(n, -1)  # first entry in the list of a node
     after, before = np.full(2 * m, -1), np.full(2 * m, -1)
@@ -357,11 +415,11 @@ def _merge(parent, pairs, rise, ridge, length, step):  # type: ignore[no-untyped
         for side in range(2):
             _insert(head, after, before, ends[s, side], 2 * s + side)
             degree[ends[s, side]] += 1
-    heap = [(_doubt(rise, ridge, length, s), ends[s, 0], ends[s, 1], s, 0) for s in range(m)]
+    heap = [(_doubt(sums, length, s), ends[s, 0], ends[s, 1], s, 0) for s in range(m)]
     heapq.heapify(heap)
     while len(heap) > 0:
         _, i, j, s, version = heapq.heappop(heap)
-        if version != turn[s] or max(abs(rise[s]), abs(ridge[s])) > step * length[s]:
+        if version != turn[s] or np.abs(sums[s]).max() > length[s]:
             continue
         if degree[i] < degree[j]:
             i, j = j, i
@@ -381,9 +439,9 @@ def _merge(parent, pairs, rise, ridge, length, step):  # type: ignore[no-untyped
             old = seam_to[k]
             if old >= 0:
                 # both from i to k
-                turned = (ends[old, 0] == i) != (side == 0)
-                rise[old] += -rise[s] if turned else rise[s]
-                ridge[old] += ridge[s]
+                sign = 1.0 if (ends[old, 0] == i) == (side == 0) else -1.0
+                sums[old, :n_values] += sign * sums[s, :n_values]
+                sums[old, n_values:] += sums[s, n_values:]
                 length[old] += length[s]
                 turn[s] = -1
                 _remove(head, after, before, k, 2 * s + 1 - side)
@@ -394,7 +452,7 @@ def _merge(parent, pairs, rise, ridge, length, step):  # type: ignore[no-untyped
                 _insert(head, after, before, i, entry)
                 degree[i] += 1
             turn[s] += 1
-            heapq.heappush(heap, (_doubt(rise, ridge, length, s), i, k, s, turn[s]))
+            heapq.heappush(heap, (_doubt(sums, length, s), i, k, s, turn[s]))
             entry = following
         entry = head[i]
         while entry >= 0:
@@ -403,8 +461,8 @@ def _merge(parent, pairs, rise, ridge, length, step):  # type: ignore[no-untyped
 
 
 @numba.njit(cache=True, nogil=True)
-def _doubt(rise, ridge, length, s):  # type: ignore[no-untyped-def]
-    return max(abs(rise[s]), abs(ridge[s])) / length[s] + DOUBT / length[s] ** 0.5
+def _doubt(sums, length, s):  # type: ignore[no-untyped-def]
+    return np.abs(sums[s]).max() / length[s] + DOUBT / length[s] ** 0.5
 
 
 @numba.njit(cache=True, nogil=True)
@@ -427,9 +485,9 @@ def _remove(head, after, before, node, entry):  # type: ignore[no-untyped-def]
 
 
 def _mean_step(seams: _Seams, ends: IntArray, around: BoolArray, region: int) -> float:
-    """Mean over the cells round a region of the step or ridge, whichever is larger on each side."""
+    """Mean over the cells round a region of the steps and ridges, whichever is largest on each side."""
     other = np.where(ends[around, 0] == region, ends[around, 1], ends[around, 0])
     sign = np.where(ends[around, 0] == region, 1.0, -1.0)
-    rise = np.bincount(other, sign * seams.step[around])
-    ridge = np.bincount(other, seams.ridge[around])
-    return float(np.maximum(np.abs(rise), np.abs(ridge)).sum() / seams.length[around].sum())
+    sums = [np.bincount(other, sign * step) for step in seams.step[:, around]]
+    sums += [np.bincount(other, ridge) for ridge in seams.ridge[:, around]]
+    return float(np.abs(sums).max(axis=0).sum() / seams.length[around].sum())

@@ -108,7 +108,7 @@ def preview_params(pipeline: Pipeline, wanted: Params, shown: Params) -> Params:
     shown : Params
         Of the last result: its ensemble serves for another S, too.
     """
-    wanted = wanted.replace(granularity=None, relief=0.0)  # reliefs are looked for on every face
+    wanted = wanted.replace(granularity=None, relief=0.0, contrast=0.0)  # both are looked for on every face
     if wanted.consensus == "peac":  # takes seconds
         wanted = wanted.replace(consensus="linkage")
     if wanted.k_range is None:

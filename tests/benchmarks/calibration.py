@@ -27,7 +27,7 @@ from scenewidget.evaluation import reliability
 
 KNOTS = np.array([0.0, 0.2, 0.35, 0.45, 0.55, 0.65, 0.8, 1.0])
 # pairs are judged before the finish, which joins and parts by what the runs don't know
-UNFINISHED = {"join_planes": False, "relief": 0.0, "furniture_similarity": 1.0}
+UNFINISHED = {"join_planes": False, "relief": 0.0, "contrast": 0.0, "furniture_similarity": 1.0}
 LEAST_RISE = 0.03  # of the confidence, over that of the agreement: it must lead back
 FINE = 100  # bins of the agreement that the fit sees
 

@@ -90,6 +90,7 @@ ABLATION: dict[str, dict[str, Any]] = {
     "shares by items": {"allocation": "faces"},
     "planes not joined": {"join_planes": False},
     "reliefs left": {"relief": 0.0},
+    "colours not looked at": {"contrast": 0.0},
     "furniture not joined": {"furniture_similarity": 1.0},
     "crumbs kept": {"min_area": 0.0},
 }

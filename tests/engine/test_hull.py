@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scenewidget.engine.hull import join_planes, segment_planes
 from scenewidget.engine.items import _build, simplified_items
 from scenewidget.engine.mesh import Mesh, face_adjacency
-from scenewidget.engine.relief import DOUBT, _merged, _Seams, separate_reliefs
+from scenewidget.engine.relief import DOUBT, _merged, _Seams, separate_reliefs, separate_tints
 
 
 def faces_as_items(mesh):
@@ -204,7 +204,54 @@ def test_a_turned_and_moved_floor_gives_the_same_parts():
     assert (separate_reliefs(patches(moved, items.item_of_face), nothing) == expected).mean() > 0.97
 
 
-def joined_by_definition(n, pairs, sums, step):
+# --- tints ----------------------------------------------------------------------------------------
+
+
+def painted(paint):
+    """The patches of an even floor: its colour at (x, y)."""
+    items = floor(lambda x, y: 0 * x)
+    vertices = items.mesh.vertices
+    colors = np.broadcast_to(paint(vertices[:, 0], vertices[:, 1]), (len(vertices), 3)).astype(np.uint8)
+    return patches(Mesh(vertices, items.mesh.faces, colors), items.item_of_face)
+
+
+def mixed(where, inside, outside):
+    return np.where(where[:, None], inside, outside)
+
+
+def test_tints_tell_colours_apart_and_shadows_not():
+    colors = np.array([[120, 120, 120], [60, 60, 60], [180, 90, 120], [120, 120, 60]])
+    mesh = Mesh(np.repeat(shapes.grid_square(1).vertices[:3], 4, axis=0), np.arange(12).reshape(3, 4).T)
+    mesh = Mesh(mesh.vertices, mesh.faces, np.tile(colors, (3, 1)).astype(np.uint8))
+    green, blue = patches(mesh, np.arange(4)).face_tints
+    np.testing.assert_allclose(green, [0, 0, np.log(190 / 100), 0], atol=1e-12)
+    np.testing.assert_allclose(blue, [0, 0, 0.5 * np.log(190 * 100 / 130**2), np.log(130 / 70)], atol=1e-12)
+
+
+def test_a_carpet_of_another_tint_is_parted_from_its_floor_though_it_lies_flat():
+    items = painted(lambda x, y: mixed(carpet(x, y), (150, 110, 70), (150, 120, 90)))
+    nothing = np.zeros(items.n, np.int32)
+    assert separate_reliefs(items, nothing).max() == 0
+    labels = separate_tints(items, nothing)
+    assert labels.max() == 1
+    assert min(share(items, labels, carpet)) > 0.95
+    assert separate_tints(items, nothing, contrast=0.5).max() == 0
+
+
+def test_shadows_and_planks_are_no_things():
+    shadow = painted(lambda x, y: mixed(carpet(x, y), (75, 60, 45), (150, 120, 90)))
+    assert separate_tints(shadow, np.zeros(shadow.n, np.int32)).max() == 0
+    planks = painted(lambda x, y: mixed(np.sin(40 * y) > 0, (150, 110, 70), (150, 120, 90)))
+    assert separate_tints(planks, np.zeros(planks.n, np.int32)).max() == 0
+
+
+def test_without_colours_there_are_no_tints():
+    items = floor(lambda x, y: 0 * x)
+    assert items.face_tints is None
+    assert separate_tints(items, np.zeros(items.n, np.int32)).max() == 0
+
+
+def joined_by_definition(n, pairs, sums):
     """Regions after joining the surest two again and again, their sums counted anew each time."""
     region = np.arange(n)
     while True:
@@ -213,10 +260,10 @@ def joined_by_definition(n, pairs, sums, step):
             for b in np.unique(region[region > a]):
                 ends = region[pairs]
                 along = (ends == (a, b)).all(axis=1), (ends == (b, a)).all(axis=1)
-                rise, ridge, length = sums[along[0]].sum(axis=0) + sums[along[1]].sum(axis=0) * (-1, 1, 1)
-                height = max(abs(rise), abs(ridge))
-                if length > 0 and height <= step * length:
-                    best = min(best or (np.inf,), (height / length + DOUBT / length**0.5, a, b))
+                total = sums[along[0]].sum(axis=0) + sums[along[1]].sum(axis=0) * (-1, -1, 1, 1, 1)
+                length, most = total[-1], np.abs(total[:-1]).max()
+                if length > 0 and most <= length:
+                    best = min(best or (np.inf,), (most / length + DOUBT / length**0.5, a, b))
         if best is None:
             return region
         region[region == best[2]] = best[1]
@@ -228,7 +275,7 @@ def test_regions_are_joined_surest_first_by_the_sums_over_their_seams(n, density
     pairs = np.stack(np.triu_indices(n, 1), axis=1)
     pairs = pairs[rng.random(len(pairs)) < density]
     length = rng.integers(1, 20, len(pairs)).astype(float)
-    rise, ridge = rng.normal(0, 0.01, (2, len(pairs))) * length
-    roots = _merged(np.arange(n), _Seams(pairs, rise, ridge, length), 0.008)
-    expected = joined_by_definition(n, pairs, np.stack([rise, ridge, length], axis=1), 0.008)
+    steps, ridges = rng.normal(0, 1.2, (2, 2, len(pairs))) * length  # of two values
+    roots = _merged(np.arange(n), _Seams(pairs, steps, ridges, length))
+    expected = joined_by_definition(n, pairs, np.stack([*steps, *ridges, length], axis=1))
     np.testing.assert_array_equal(roots[:, None] == roots, expected[:, None] == expected)

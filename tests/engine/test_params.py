@@ -135,5 +135,6 @@ def test_the_faithful_preset_is_that_of_the_thesis():
         0.99,
     )
     assert (thesis.feature_floor, thesis.hop, thesis.convex_weights) == (0, 0, (1.0,))
+    assert (thesis.relief, thesis.contrast, thesis.furniture_similarity) == (0, 0, 1)
     assert (thesis.n_graph_runs, thesis.join_planes, thesis.min_area, thesis.n_slots) == (0, False, 0, 64)
     assert Params.thesis(n_segments=30, feature="gps").feature == "gps"

@@ -29,7 +29,7 @@ def test_another_s_cuts_the_tree_of_the_result():
     pipe = sw.Pipeline(mesh)
     pipe.run(SMALL)
     params = preview_params(pipe, SMALL.replace(n_segments=9), SMALL)
-    assert params == SMALL.replace(n_segments=9, k_range=(12, 15), relief=0.0)
+    assert params == SMALL.replace(n_segments=9, k_range=(12, 15), relief=0.0, contrast=0.0)
     heard = []
     pipe.get("finish", params, progress=lambda stage, fraction: heard.append(stage))
     assert set(heard) == {"consensus", "finish"}
@@ -40,7 +40,7 @@ def test_another_cost_makes_a_small_ensemble_of_the_same_items():
     pipe = sw.Pipeline(mesh)
     pipe.run(SMALL)
     params = preview_params(pipe, SMALL.replace(cost_exponent=1.5), SMALL)
-    assert params == coarser(SMALL.replace(cost_exponent=1.5, relief=0.0))
+    assert params == coarser(SMALL.replace(cost_exponent=1.5, relief=0.0, contrast=0.0))
     assert pipe.get("ensemble", params).shape[1] == 16
     assert pipe.get("items", params) is pipe.get("items", SMALL)
 
