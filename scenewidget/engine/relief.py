@@ -12,6 +12,7 @@ import heapq
 import itertools
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numba
 import numpy as np
@@ -34,6 +35,10 @@ REACH = 2  # cells; narrow items this near to a broad one are the rim of a step
 RIM = 1  # cells; an item that nowhere holds a square of 2 RIM + 1 cells is narrow
 SURROUNDED = 0.5  # of its outline, along which a region borders on its wall: a shifted part lies at the edge
 DOUBT = 2.5  # steps over the root of a seam's cells: long seams are decided first
+
+
+# Of the walls as they were last time, by their items: another S leaves most walls as they are. A few MB.
+_LAST_MAPS: WeakKeyDictionary[Items, dict[tuple[bytes, bool, float], list[_Map]]] = WeakKeyDictionary()
 
 
 def separate_reliefs(
@@ -123,7 +128,16 @@ def _separated(
     if not walls:
         return labels
     with ThreadPoolExecutor(n_threads) as pool:
-        maps = list(pool.map(lambda members: _maps(_points(items, members, values), cell), walls))
+        last = _LAST_MAPS.get(items, {})
+        keys = [(members.tobytes(), values is None, cell) for members in walls]
+        maps = list(
+            pool.map(
+                lambda key, members: last.get(key) or _maps(_points(items, members, values), cell),
+                *(keys, walls),
+            )
+        )
+        others = {key: known for key, known in last.items() if key[1] != (values is None)}
+        _LAST_MAPS[items] = others | dict(zip(keys, maps))
         uneven = _unevenness([seams for wall in maps for _, _, seams in wall])
         steps = np.maximum(step, UNEVEN * uneven)
         reliefs = pool.map(
