@@ -35,8 +35,7 @@ def average_linkage(C: FloatArray, weights: FloatArray) -> FloatArray:
     if n == 1:
         return np.empty((0, 4))
     distances = 1.0 - np.asarray(C, dtype=np.float64)
-    # products that are symmetric on paper differ in the last bit, and the chains below would go in circles
-    distances = 0.5 * (distances + distances.T)
+    _symmetrise(distances)
     area = np.maximum(np.asarray(weights, dtype=np.float64), 1e-12 * max(float(np.max(weights)), 1e-300))
     left, right, height = _chain(distances, area.copy())
     order = np.argsort(height, kind="stable")
@@ -72,6 +71,20 @@ def cut_tree(tree: FloatArray, *, n_clusters: int | None = None, similarity: flo
     for node in range(n + n_merges - 1, -1, -1):  # parents have larger numbers: one pass from the top
         parent[node] = parent[parent[node]]
     return by_first_appearance(parent[:n])
+
+
+@numba.njit(cache=True, nogil=True)
+def _symmetrise(D):  # type: ignore[no-untyped-def]
+    """Mean of D and its transpose, in place and by blocks that fit the cache.
+
+    Products that are symmetric on paper differ in the last bit, and chains would go in circles.
+    """
+    n, size = len(D), 32
+    for top in range(0, n, size):
+        for left in range(0, top + size, size):
+            for i in range(top, min(top + size, n)):
+                for j in range(left, min(left + size, i)):
+                    D[i, j] = D[j, i] = 0.5 * (D[i, j] + D[j, i])
 
 
 @numba.njit(cache=True, nogil=True)
