@@ -213,7 +213,7 @@ class Params:
     leftover: Leftover = "alone"
     join_planes: bool = True
     relief: float = 0.008
-    contrast: float = 0.07
+    contrast: float = 0.15
     furniture_similarity: float = 0.4
     min_area: float = 0.02
     granularity: int | None = None

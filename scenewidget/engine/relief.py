@@ -81,7 +81,7 @@ def separate_tints(
     items: Items,
     labels: IntArray,
     *,
-    contrast: float = 0.07,
+    contrast: float = 0.15,
     smallest: float = 0.1,
     cell: float = 0.03,
     n_threads: int = 2,
