@@ -127,15 +127,14 @@ def _separated(
     walls = [members for members in walls if len(members)]
     if not walls:
         return labels
+    last = _LAST_MAPS.get(items, {})
+    keys = [(members.tobytes(), values is None, cell) for members in walls]
+
+    def draw(key: tuple[bytes, bool, float], members: IntArray) -> list[_Map]:
+        return last.get(key) or _maps(_points(items, members, values), cell)
+
     with ThreadPoolExecutor(n_threads) as pool:
-        last = _LAST_MAPS.get(items, {})
-        keys = [(members.tobytes(), values is None, cell) for members in walls]
-        maps = list(
-            pool.map(
-                lambda key, members: last.get(key) or _maps(_points(items, members, values), cell),
-                *(keys, walls),
-            )
-        )
+        maps = list(pool.map(draw, keys, walls))
         others = {key: known for key, known in last.items() if key[1] != (values is None)}
         _LAST_MAPS[items] = others | dict(zip(keys, maps))
         uneven = _unevenness([seams for wall in maps for _, _, seams in wall])
