@@ -16,7 +16,7 @@ __all__ = ["agreement_behind", "agreement_of_groups", "calibrated", "foreign", "
 
 # The first two are fitted to the default preset on the tuning half of the quality benchmark by
 # `python tests/benchmarks/calibration.py`, which also says how they do on the other half: the mean agreement
-# is off by 0.11 there on average, the confidence by 0.02. Other presets have not been calibrated.
+# is off by 0.13 there on average, the confidence by 0.01. Other presets have not been calibrated.
 # Mean agreement of a face with its segment, and the share of the segment's other faces that belong with it:
 CONFIDENCE = (
     (0.0, 0.2, 0.35, 0.45, 0.55, 0.65, 0.8, 1.0),
