@@ -750,19 +750,27 @@ def _finish(
 ) -> tuple[IntArray, FloatArray]:
     """(n_items,) label of each item, and how much the ensemble agrees with it."""
     pieces = connected_pieces(consensus[co.base], items.pairs)
-    labels = _finished(items, pieces, planes, relief, contrast, min_area)
+    labels = _finished(items, pieces, planes, relief, contrast, min_area, monitor)
     if furniture < 1:
         labels = join_furniture(items, labels, co, similarity=furniture)
     return labels, _confidence(co, pieces)
 
 
 def _finished(
-    items: Items, labels: IntArray, planes: bool, relief: float, contrast: float, min_area: float
+    items: Items,
+    labels: IntArray,
+    planes: bool,
+    relief: float,
+    contrast: float,
+    min_area: float,
+    monitor: Monitor,
 ) -> IntArray:
     if planes:
         labels = join_planes(items, labels)
+    monitor.tick()
     if relief > 0:
         labels = separate_reliefs(items, labels, step=relief)
+    monitor.tick()
     if contrast > 0:
         labels = separate_tints(items, labels, contrast=contrast)
     return absorb_small(items, labels, min_area) if min_area > 0 else labels
@@ -822,9 +830,8 @@ def _family(
     min_area: float,
 ) -> Family:
     fine = connected_pieces(cut_tree(tree, similarity=FINE_SIMILARITY)[co.base], items.pairs)
-    return make_family(
-        segmentation, _finished(items, fine, planes, relief, contrast, min_area), co, smallest=min_area
-    )
+    finished = _finished(items, fine, planes, relief, contrast, min_area, monitor)
+    return make_family(segmentation, finished, co, smallest=min_area)
 
 
 def _cut(mesh: Mesh, family: Family, *, monitor: Monitor, n_segments: int) -> Segmentation:
