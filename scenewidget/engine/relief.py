@@ -36,7 +36,6 @@ RIM = 1  # cells; an item that nowhere holds a square of 2 RIM + 1 cells is narr
 SURROUNDED = 0.5  # of its outline, along which a region borders on its wall: a shifted part lies at the edge
 DOUBT = 2.5  # steps over the root of a seam's cells: long seams are decided first
 
-
 # Of the walls as they were last time, by their items: another S leaves most walls as they are. A few MB.
 _LAST_MAPS: WeakKeyDictionary[Items, dict[tuple[bytes, bool, float], list[_Map]]] = WeakKeyDictionary()
 
@@ -181,7 +180,7 @@ def _reliefs(
 
 def _regions(areas: FloatArray, item: IntArray, whole: IntArray, seams: _Seams, smallest: float) -> IntArray:
     """(n_items,) 1 and up for regions that stand out of the wall on one grid, 0 for all else."""
-    roots = _merged(np.unique(whole[whole >= 0]), seams)
+    roots = _merged(int(whole.max()) + 1, seams)
     cells = np.where(whole >= 0, roots[whole], -1)
     region = _most_frequent(item, cells, len(areas))
     area = np.bincount(region[region >= 0], areas[region >= 0], len(areas))
@@ -306,22 +305,16 @@ def _sums(place: IntArray, values: FloatArray, n_places: int) -> FloatArray:
     return np.asarray(np.bincount(place, values, n_places), dtype=np.float64)
 
 
-def _winner(place: IntArray, candidate: IntArray, weight: FloatArray, n_places: int) -> IntArray:
-    """(n_places,) the candidate with most weight at each place, the lowest of equals; −1 for none."""
-    n = int(candidate.max(initial=0)) + 1
-    code, inverse = np.unique(place * n + candidate, return_inverse=True)
-    total = np.bincount(inverse, weight)
-    order = np.lexsort((-code, total, code // n))
-    out = np.full(n_places, -1)
-    out[code[order] // n] = code[order] % n  # the last at a place wins
-    return out
-
-
 def _most_frequent(item: IntArray, region: IntArray, n_items: int) -> IntArray:
-    """(n_items,) the region that most of an item's cells are in; −1 for items not in the map."""
+    """(n_items,) the region that most of an item's cells are in, the lowest of equals; −1 outside the map."""
     is_known = (item >= 0) & (region >= 0)
     item, region = item[is_known].astype(np.int64), region[is_known]
-    return _winner(item, region, np.ones(len(item)), n_items)
+    n = int(region.max(initial=0)) + 1
+    code, count = np.unique(item * n + region, return_counts=True)
+    order = np.lexsort((-code, count, code // n))
+    out = np.full(n_items, -1)
+    out[code[order] // n] = code[order] % n  # the last of an item wins
+    return out
 
 
 def _without_rims(item: IntArray) -> IntArray:
@@ -395,13 +388,13 @@ def _surrounded(region: IntArray, n_regions: int) -> FloatArray:
     return np.asarray(inner[:-1] / np.maximum(outline[:-1], 1.0))
 
 
-def _merged(nodes: IntArray, seams: _Seams) -> IntArray:
-    """Root of each node after joining regions whose seam has no step, the surest first.
+def _merged(n_nodes: int, seams: _Seams) -> IntArray:
+    """(n_nodes,) root of each node after joining regions whose seam has no step, the surest first.
 
     Sure is a small mean along a long seam. Sums over seams add up when regions are joined, so the mean is
     always that of all cells between two regions.
     """
-    parent = np.arange(int(nodes.max()) + 1)
+    parent = np.arange(n_nodes)
     if len(seams.pairs):
         sums = np.concatenate([seams.step, seams.ridge])
         _merge(parent, seams.pairs, np.ascontiguousarray(sums.T), seams.length.copy())

@@ -276,6 +276,6 @@ def test_regions_are_joined_surest_first_by_the_sums_over_their_seams(n, density
     pairs = pairs[rng.random(len(pairs)) < density]
     length = rng.integers(1, 20, len(pairs)).astype(float)
     steps, ridges = rng.normal(0, 1.2, (2, 2, len(pairs))) * length  # of two values
-    roots = _merged(np.arange(n), _Seams(pairs, steps, ridges, length))
+    roots = _merged(n, _Seams(pairs, steps, ridges, length))
     expected = joined_by_definition(n, pairs, np.stack([*steps, *ridges, length], axis=1))
     np.testing.assert_array_equal(roots[:, None] == roots, expected[:, None] == expected)
