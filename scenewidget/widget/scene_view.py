@@ -411,6 +411,7 @@ class SceneView(anywidget.AnyWidget):
         with self.hold_sync():
             before = None if self._atoms is None else (self._atoms, self._table)
             if atoms is not self._atoms or list(parts) != self.levels:
+                self._keep_hidden(atoms)
                 self._atoms, self._parts = atoms, dict(parts)
                 pairs = adjacent_segments(
                     self.mesh.faces, atoms.face_atom.astype(np.int64), self.mesh.n_vertices
@@ -660,6 +661,15 @@ class SceneView(anywidget.AnyWidget):
                 f"{name} must be below the number of faces, {self.mesh.n_faces}, got {array.max()}"
             )
         return array.astype(np.int32)
+
+    def _keep_hidden(self, atoms: Atoms) -> None:
+        """Let the faces that are hidden be so over other atoms too, as open pages do for themselves."""
+        if self._atoms is None or not self._hidden:
+            return
+        old = self._atoms.face_atom
+        is_hidden = np.zeros(self._atoms.n, bool)
+        is_hidden[old[self._hidden]] = True
+        self._hidden = atoms.first_face[is_hidden[old[atoms.first_face]]].tolist()
 
     def _show_segments(
         self,

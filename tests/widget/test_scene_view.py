@@ -136,6 +136,18 @@ def test_an_edit_that_cuts_through_atoms_sends_new_ones(view, quarters):
     assert view.levels == ["final"]
 
 
+def test_what_is_hidden_stays_so_when_python_cuts_it(view, quarters):
+    view.set_partition({"quarters": quarters}, quarters)
+    view._hidden = [int(np.flatnonzero(quarters == 3)[0])]  # as a page tells
+    cut = np.where((quarters == 3) & (np.arange(len(quarters)) % 2 == 1), 4, quarters)
+    view.set_segments(cut)
+    face_atom = array(view, "face_atom")
+    hidden = np.isin(face_atom, face_atom[view._hidden])
+    np.testing.assert_array_equal(hidden, quarters == 3)
+    view.set_segments(quarters)  # which joins no atoms, so nothing changes
+    np.testing.assert_array_equal(np.isin(face_atom, face_atom[view._hidden]), quarters == 3)
+
+
 def test_a_segment_keeps_its_colour_by_its_id_and_a_new_one_gets_a_spare_one(view, quarters):
     view.set_partition({"final": quarters}, quarters, ids=np.array([10, 11, 12, 13]))
     colors, sent = view.segment_colors, array(view, "segment_colors")
