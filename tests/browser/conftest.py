@@ -2,6 +2,8 @@
 
 `notebook(cells)` opens a new notebook with these cells in a server that lives as long as the tests; it can
 run them, evaluate Python in their kernel, and find the views they show. Wait on state, never on time.
+Pages of JupyterLab go from test to test, since loading one takes longer than most tests: what a test changes
+of the page itself, it changes back.
 """
 
 from __future__ import annotations
@@ -85,6 +87,20 @@ WATCH_MESSAGES = """() => {
 }"""
 IS_IDLE = """() => window.jupyterapp?.shell.currentWidget?.context?.sessionContext
     ?.session?.kernel?.status === 'idle'"""
+OPEN = """async path => {
+    await window.jupyterapp.restored;
+    const { context } = await window.jupyterapp.commands.execute("docmanager:open", { path });
+    await context.ready;
+    await context.sessionContext.ready;
+}"""
+LEAVE = """async () => {
+    const { shell, commands } = window.jupyterapp;
+    const { context } = shell.currentWidget;
+    await context.sessionContext.shutdown();
+    context.model.dirty = false;  // or it would ask whether to save
+    await commands.execute("application:close-all");
+    return document.querySelector(".jp-Notebook, .scenewidget, .jp-Dialog") === null;
+}"""
 HAS_CELLS = """() => {
     const { content } = window.jupyterapp.shell.currentWidget;
     return content.widgets.length > 0 && content.widgets.length === content.model.cells.length;
@@ -93,6 +109,7 @@ EXECUTION_COUNTS = """() => window.jupyterapp.shell.currentWidget?.content?.widg
     ?.map((cell) => [cell.model.executionCount, cell.model.executionState])"""
 HARMLESS = ("favicon", "ResizeObserver loop")  # a host's own remarks
 VOILA_TROUBLES = ("ERR_NAME_NOT_RESOLVED", "ERR_INTERNET_DISCONNECTED", "shared module")  # and those of Voila
+HAS_FAILED = pytest.StashKey[bool]()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -105,6 +122,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.browser)
             if os.environ.get("CI"):
                 item.add_marker(pytest.mark.flaky(reruns=1))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
+    """Lets fixtures know whether their test has failed."""
+    report = yield
+    if report.when != "teardown":
+        item.stash[HAS_FAILED] = report.failed
+    return report
 
 
 @pytest.fixture(scope="session")
@@ -232,8 +258,16 @@ def profile(chromiums: Any, chromium: str, tmp_path_factory: pytest.TempPathFact
     context.close()
 
 
+@pytest.fixture(scope="session")
+def free_pages() -> list[Any]:
+    """Pages that show a JupyterLab in which nothing is open."""
+    return []
+
+
 @pytest.fixture
-def notebook(jupyter: Server, profile: Any) -> Iterator[Callable[..., Notebook]]:
+def notebook(
+    jupyter: Server, profile: Any, free_pages: list[Any], request: pytest.FixtureRequest
+) -> Iterator[Callable[..., Notebook]]:
     """Opens notebooks: `notebook(["cell", ...], width=1100, height=900)`; closes them and their kernels.
 
     In place of cells, it takes the path of a notebook and opens a copy.
@@ -241,8 +275,10 @@ def notebook(jupyter: Server, profile: Any) -> Iterator[Callable[..., Notebook]]
     opened: list[Notebook] = []
 
     def open_notebook(cells: list[str] | Path, *, width: int = 1100, height: int = 900) -> Notebook:
-        page = profile.new_page()
+        page = free_pages.pop() if free_pages else profile.new_page()
+        page.bring_to_front()
         page.set_viewport_size({"width": width, "height": height})
+        page.mouse.move(0, 0)
         book = Notebook(page, jupyter)
         opened.append(book)
         book.open(cells)
@@ -250,7 +286,10 @@ def notebook(jupyter: Server, profile: Any) -> Iterator[Callable[..., Notebook]]
 
     yield open_notebook
     for book in opened:
-        book.close()
+        if not request.node.stash[HAS_FAILED] and book.leave():
+            free_pages.append(book.page)
+        else:
+            book.close()
 
 
 @pytest.fixture
@@ -282,7 +321,10 @@ class Notebook:
         else:
             path.write_text(json.dumps(notebook_of(cells)))
         self.errors = errors_of(self.page)
-        self.page.goto(self.address(name))
+        if self.page.evaluate("() => 'jupyterapp' in window"):
+            self.page.evaluate(OPEN, name)
+        else:
+            self.page.goto(self.address(name))
         self.page.wait_for_function(IS_IDLE)
         self.page.evaluate(WATCH_MESSAGES)
         self.page.evaluate("() => window.jupyterapp.shell.collapseLeft?.()")
@@ -351,6 +393,11 @@ class Notebook:
         shown = self.page.locator(".jp-Notebook").all_inner_texts()
         counts = self.page.evaluate(EXECUTION_COUNTS)
         return f"there is no such view; cells {counts}, on the page: {shown}, in the console: {self.errors}"
+
+    def leave(self) -> bool:
+        """End the kernel and close the notebook; whether the page is fit for another one."""
+        is_shown = self.page.evaluate("() => Boolean(window.jupyterapp?.shell.currentWidget)")
+        return is_shown and self.page.evaluate(LEAVE)
 
     def close(self) -> None:
         """End the kernel and the page."""

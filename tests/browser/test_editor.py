@@ -127,7 +127,7 @@ def test_edits_show_at_once_while_the_kernel_is_busy_and_none_is_lost(editor):
         place for part, place in editor.places().items() if place not in (start, end) and place[1] > 50
     )
     # on a slow machine, it would be told that the kernel doesn't answer
-    editor.page.add_style_tag(content=".sw-notices { display: none }")
+    quiet = editor.page.add_style_tag(content=".sw-notices { display: none }")
     kernel = editor.python("__import__('os').getpid()")
     os.kill(kernel, signal.SIGSTOP)  # a busy cell is not enough: some kernels answer beside it
     editor.view.drag(start, end)
@@ -152,6 +152,7 @@ def test_edits_show_at_once_while_the_kernel_is_busy_and_none_is_lost(editor):
     assert (np.abs(settled - foreseen) > 12).mean() < 0.002  # in the same colours
     assert editor.edits() == ["Merge", "Merge", "Split"]
     editor.root.get_by_text("edits pending").wait_for(state="hidden")
+    quiet.evaluate("style => style.remove()")
 
 
 def test_what_makes_no_sense_is_refused_with_a_reason(editor):

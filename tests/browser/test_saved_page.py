@@ -18,10 +18,14 @@ NAMES = {0: "</script><script>window.harm = 2</script>", 1: "ceiling & <b>lamp</
 def page(profile):
     """A page without a network."""
     page = profile.new_page()
-    profile.set_offline(True)
+    session = profile.new_cdp_session(page)
+    session.send("Network.enable")
+    session.send(
+        "Network.emulateNetworkConditions",
+        {"offline": True, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1},
+    )
     yield page
     page.close()
-    profile.set_offline(False)
 
 
 @pytest.fixture
