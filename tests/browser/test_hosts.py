@@ -6,6 +6,8 @@ import json
 import secrets
 import sys
 import textwrap
+from dataclasses import dataclass
+from typing import Any
 
 import pytest
 from cells import LABELLED
@@ -35,6 +37,27 @@ def classic(tmp_path_factory, chromium):
     own = {f"JUPYTER_{kind}_DIR": str(home / kind.lower()) for kind in ("CONFIG", "DATA")}
     with serve(command, home, f"/api/status?token={token}", env=own) as url:
         yield Server(url, token, home)
+
+
+def go_through_edits(editor):
+    """Merge, split, undo both, let go outside the picture."""
+
+    def become(segments):
+        editor.view.wait("segments", str(segments))
+        editor.view.wait("pending", "0")
+
+    (_, start), (_, end) = editor.ends()
+    editor.view.drag(start, end)
+    become(editor.n - 1)
+    editor.click(start, button="right")
+    become(editor.n)
+    editor.page.keyboard.press("Control+z")
+    become(editor.n - 1)
+    editor.button("Undo").click()
+    become(editor.n)
+    editor.view.drag(start, (start[0], -20))
+    become(editor.n)
+    assert not editor.root.get_by_role("alert").is_visible()
 
 
 class Classic(Notebook):
@@ -81,11 +104,9 @@ def test_notebook_7_edits(book):
     opened = book([WIDGET])
     opened.view()
     editor = Editor(opened)
-    (_, start), (_, end) = editor.ends()
-    editor.view.drag(start, end)
-    editor.settled(editor.n - 1)
-    editor.page.keyboard.press("Control+z")
+    go_through_edits(editor)
     editor.settled(editor.n)
+    assert editor.edits() == []
 
 
 @pytest.fixture(scope="module")
@@ -102,25 +123,51 @@ def voila(tmp_path_factory, chromium):
         yield Server(url, "", home)
 
 
-def test_voila_shows_points_and_tells_python(voila, profile):
-    (voila.folder / "room.ipynb").write_text(json.dumps(notebook_of([LABELLED + TELLING])))
+@dataclass
+class Shown:
+    """A page with a view, whatever serves it."""
+
+    page: Any
+
+    def view(self) -> View:
+        root = self.page.locator(".scenewidget")
+        root.wait_for()
+        view = View(self.page, root)
+        view.wait("ready", "true")
+        return view
+
+
+@pytest.fixture
+def render(voila, profile):
+    """Shows a cell under Voila: `render("cell")`; nothing may go wrong in the console."""
     page = profile.new_page()
-    page.set_viewport_size({"width": 1100, "height": 700})
+    page.set_viewport_size({"width": 1100, "height": 900})
     errors = errors_of(page)
-    page.goto(f"{voila.url}/voila/render/room.ipynb")
-    root = page.locator(".scenewidget")
-    root.wait_for()
-    view = View(page, root)
-    view.wait("ready", "true")
+
+    def show(cell):
+        (voila.folder / "room.ipynb").write_text(json.dumps(notebook_of([cell])))
+        page.goto(f"{voila.url}/voila/render/room.ipynb")
+        return Shown(page)
+
+    yield show
+    page.close()
+    assert [error for error in errors if not any(text in error for text in VOILA_TROUBLES)] == []
+
+
+def test_voila_shows_points_and_tells_python(render):
+    shown = render(LABELLED + TELLING)
+    view = shown.view()
     view.wait("live", "true")
     assert colors(view.pixels()) >= 3
     part, place = next((part, place) for part, place in view.parts().items() if part)
     view.point(*place)
     view.wait("hovered", part)
     view.root.get_by_role("button", name="Outlines").click()
-    page.get_by_text("outlines False").wait_for()
-    assert [error for error in errors if not any(text in error for text in VOILA_TROUBLES)] == []
-    page.close()
+    shown.page.get_by_text("outlines False").wait_for()
+
+
+def test_voila_edits(render):
+    go_through_edits(Editor(render(WIDGET)))
 
 
 MARIMO = """
@@ -163,10 +210,7 @@ def test_marimo_shows_points_and_tells_python(tmp_path, profile):
         page = profile.new_page()
         page.emulate_media(color_scheme="dark")  # which marimo, light unless told otherwise, passes over
         page.goto(url)
-        root = page.locator(".scenewidget")
-        root.wait_for()
-        view = View(page, root)
-        view.wait("ready", "true")
+        view = Shown(page).view()
         view.wait("theme", "light")
         assert colors(view.pixels()) >= 3
         part, place = next((part, place) for part, place in view.parts().items() if part)
