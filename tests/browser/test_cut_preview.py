@@ -49,3 +49,22 @@ def test_escape_takes_the_first_point_and_the_preview_back(editor):
     editor.button("Let go").click()
     editor.view.wait("tool", "merge")
     assert editor.edits() == []
+
+
+def test_a_segment_is_named_and_hidden_whole_while_a_cut_shows(editor):
+    x, y = largest(editor)
+    editor.view.point(x, y)
+    segment = editor.view.wait_until_pointed()
+    editor.button("Cut").click()
+    editor.click((x - 14, y))
+    editor.view.point(x + 14, y)
+    editor.root.get_by_text("a click here cuts").wait_for()
+    editor.page.keyboard.press("n")
+    form = editor.root.get_by_role("dialog", name="Name a segment")
+    form.get_by_text(f"Segment {segment}", exact=True).wait_for()
+    editor.page.keyboard.press("Escape")
+    editor.page.keyboard.press("h")
+    editor.view.wait("hidden", "1")
+    hidden = "set(w.segmentation.labels[sorted(w.view._hidden)].tolist())"
+    assert editor.python(hidden) == {int(segment)}
+    assert int(segment) not in editor.places()

@@ -77,7 +77,6 @@ export function createEditing({ model, view, panel, labelling }, { onEdit, onHid
 
   /** @param {import("./keys.js").PartAction} what @param {number} face @param {Place | null} place */
   function act(what, face, place) {
-    const segment = view.segmentOf(face);
     switch (what) {
       case "split":
         letGo();
@@ -90,13 +89,13 @@ export function createEditing({ model, view, panel, labelling }, { onEdit, onHid
         view.lookAt(face);
         break;
       default:
-        hide(segment, what === "isolate");
+        hide(face, what === "isolate");
     }
   }
 
   /** @param {number} face @param {Place} place */
   function name(face, place) {
-    const segment = view.segmentOf(face);
+    const segment = labelling.segmentOf(face);
     const { names } = labelling;
     if (segment === NONE) {
       panel.remark("This surface is unlabelled: there is no segment to name");
@@ -107,10 +106,12 @@ export function createEditing({ model, view, panel, labelling }, { onEdit, onHid
     });
   }
 
-  /** Hide a segment, or all others; null shows everything. @param {number | null} segment */
-  function hide(segment, isIsolating = false) {
+  /** Hide the segment under a face, or all others; null shows everything. @param {number | null} face */
+  function hide(face, isIsolating = false) {
+    letGo(); // what a cut would divide off is part of its segment again
     const { partition, hidden } = view;
     if (!partition) return;
+    const segment = face === null ? null : view.segmentOf(face);
     const { atomSegment } = partition;
     const isHidden = (/** @type {number} */ atom) =>
       isIsolating ? atomSegment[atom] !== segment : hidden?.[atom] === 1 || atomSegment[atom] === segment;
@@ -118,7 +119,6 @@ export function createEditing({ model, view, panel, labelling }, { onEdit, onHid
     if (isDone && segment !== null && !isIsolating) {
       view.hide((atom) => hidden[atom] === 1 && atomSegment[atom] !== segment); // it was hidden: show it
     } else view.hide(segment === null || (isIsolating && isDone) ? null : isHidden);
-    letGo();
     onHide();
   }
 

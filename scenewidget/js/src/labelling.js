@@ -82,6 +82,12 @@ export class Labelling {
     return this.shown?.labels.atomSegment ?? null;
   }
 
+  /** Segment under a face, whatever a cut would divide off. @param {number} face */
+  segmentOf(face) {
+    const { ground, atomSegment, offcut } = this;
+    return offcut && ground && atomSegment ? atomSegment[ground.faceAtom[face]] : this.view.segmentOf(face);
+  }
+
   /** Whether two faces are in one segment. @param {number} first @param {number} second */
   canCut(first, second) {
     const edit = /** @type {const} */ ({ kind: "cut", face_a: first, face_b: second });
