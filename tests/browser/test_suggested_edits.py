@@ -40,3 +40,17 @@ def test_a_suggestion_is_shown_skipped_and_accepted(suggesting):
     view.root.press("Escape")
     view.wait("suggestion", "")
     assert book.evaluate("list(w.view.suggestion)") == "['number']"
+
+
+def test_keys_go_on_where_a_click_has_begun(suggesting):
+    book, view = suggesting
+    view.root.press("k")
+    number = book.evaluate("w.view.suggestion['number']")
+    skip = view.root.get_by_role("toolbar", name="Suggestion").get_by_role("button", name="Skip")
+    skip.click()
+    book.wait_for(f"w.view.suggestion['number'] == {number} + 1", True)
+    book.page.keyboard.press("k")
+    book.wait_for(f"w.view.suggestion['number'] == {number} + 2", True)
+    book.page.keyboard.press("Escape")
+    view.wait("suggestion", "")
+    assert book.evaluate("w.session.edits") == "[]"

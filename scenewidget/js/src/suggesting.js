@@ -62,7 +62,9 @@ export function createSuggesting({ model, view, panel, labelling, pointing, sign
   skip.onclick = () => send("skip");
   close.onclick = () => send("close");
   const onKey = (/** @type {KeyboardEvent} */ event) => {
-    if (event.target !== root || event.ctrlKey || event.metaKey || event.altKey) return;
+    const { target } = event;
+    if (target !== root && !(target instanceof Node && bar.contains(target))) return;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
     const key = event.key.toLowerCase();
     const isThere = !bar.hidden;
     const meant =
@@ -70,7 +72,7 @@ export function createSuggesting({ model, view, panel, labelling, pointing, sign
         ? "skip"
         : key === "k" && model.get("editable")
           ? "next"
-          : key === "enter" && isThere
+          : key === "enter" && isThere && target === root // a button does its own
             ? "accept"
             : key === "escape" && isThere
               ? "close"
