@@ -121,6 +121,25 @@ def test_rows_hide_and_frame_segments_by_mouse(room):
     view.wait("hovered", one)
 
 
+def test_keys_act_on_the_picture_once_the_pointer_is_there(room):
+    book, view, rows = room
+    one, two = [part for part in view.parts() if part][:2]
+    rows.row(one).get_by_role("rowheader").get_by_role("button").click()
+    view.settle()
+    view.point(*view.parts()[two])
+    view.wait("hovered", two)
+    book.page.keyboard.press("h")
+    view.wait("hidden", "1")
+    assert rows.row(two).get_attribute("data-hidden") == "all"
+    assert rows.row(one).get_attribute("data-hidden") == "none"
+    colours = view.root.get_by_label("Colour by")
+    colours.hover()
+    colours.focus()
+    view.point(*view.parts()[one])
+    book.page.keyboard.press("h")
+    view.wait("hidden", "2")
+
+
 def test_the_list_goes_by_keyboard_alone(room):
     book, view, rows = room
     view.root.focus()

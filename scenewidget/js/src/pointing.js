@@ -295,6 +295,12 @@ export function createPointing(
   on("lostpointercapture", () => {
     if (["tap", "press", "link", "aside", "dab", "brush"].includes(gesture.phase)) letGo();
   });
+  on("pointerenter", () => {
+    const page = /** @type {Document | ShadowRoot} */ (root.getRootNode());
+    const { activeElement } = page; // a list or a button that was clicked on would have the keys meant for the picture
+    if (activeElement !== root && root.contains(activeElement) && !panel.naming.isOpen())
+      root.focus({ preventScroll: true });
+  });
   on("pointerleave", (/** @type {PointerEvent} */ event) => {
     if (event.pointerType === "touch") return; // what was tapped stays pointed at
     pointer = null;
