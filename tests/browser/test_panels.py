@@ -97,3 +97,16 @@ def test_bars_over_the_picture_never_cover_each_other(cell):
     assert len(spans) == 4
     for (_, above), (below, _) in pairwise(spans):
         assert above <= below
+
+
+def test_all_of_the_section_is_within_reach_in_a_low_picture(notebook):
+    book = notebook([WIDGET.replace("height=420", "height=200")], width=520)
+    book.run_all()
+    editor = Editor(book)
+    editor.button("Section").click()
+    section = editor.root.get_by_role("dialog", name="Section")
+    ceiling = section.get_by_role("button", name="Cut the ceiling off")
+    assert box(section)[3] <= box(editor.root)[3]
+    ceiling.click()
+    book.wait_for("w.view.section[2][1] < 1", True)
+    assert book.errors == []
