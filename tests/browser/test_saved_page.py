@@ -88,6 +88,10 @@ def test_it_does_not_offer_to_edit(saved):
     saved.root.focus()
     saved.page.keyboard.press("e")
     assert saved.state("mode") == "navigate"
+    saved.root.get_by_role("button", name="List of segments").click()
+    saved.root.get_by_role("rowheader").first.get_by_role("button").click()
+    saved.page.keyboard.press("n")
+    assert not saved.root.get_by_role("dialog", name="Name a segment").is_visible()
 
 
 def test_a_scan_takes_few_bytes_a_face(tmp_path):

@@ -95,6 +95,7 @@ export function createEditing({ model, view, panel, labelling }, { onEdit, onHid
 
   /** @param {number} face @param {Place} place */
   function name(face, place) {
+    if (!model.get("editable") && model.get("mode") !== "edit") return; // nobody would take it
     const segment = labelling.segmentOf(face);
     const { names } = labelling;
     if (segment === NONE) {
