@@ -80,6 +80,23 @@ def test_a_brush_gathers_one_by_one(editor):
     editor.settled(editor.n - 1)
 
 
+def test_undo_takes_back_what_a_brush_has_gathered_before_any_edit(editor):
+    first, *places = [place for _, place in three(editor)]
+    editor.view.point(*first)
+    editor.root.focus()
+    editor.page.keyboard.press("4")
+    editor.book.wait_for("len(w.session.edits)", 1)
+    editor.page.keyboard.press("g")
+    for place in places:
+        editor.click(place)
+    editor.view.wait("segments", str(editor.n - 1))
+    editor.page.keyboard.press("Control+z")
+    editor.settled(editor.n)
+    assert editor.edits() == ["Relabel"]
+    editor.page.keyboard.press("Control+z")
+    editor.book.wait_for("len(w.session.edits)", 0)
+
+
 def test_a_segment_is_cut_between_two_points(editor):
     (one, (x, y)), *_ = three(editor)
     editor.root.focus()

@@ -45,6 +45,10 @@ export function createEditing({ model, view, panel, labelling }, { onEdit, onHid
       panel.remark(PREVIEW);
       return;
     }
+    if (kind === "undo" && labelling.sketch) {
+      letGo(); // what the brush has gathered shows as the last step
+      return;
+    }
     if (!model.get("editable")) model.send({ kind });
     else queue({ kind }, {});
   }
