@@ -85,8 +85,14 @@ def test_the_section_moves_by_keys_and_the_panel_gives_the_focus_back(room):
     view.page.keyboard.press("End")  # the ends don't pass each other
     book.wait_for("[round(end, 3) for end in view.section[2]]", [0.96, 0.98])
     view.page.keyboard.press("Escape")
-    view.root.get_by_role("dialog", name="Section").wait_for(state="hidden")
+    section = view.root.get_by_role("dialog", name="Section")
+    section.wait_for(state="hidden")
     assert view.root.evaluate("root => root.matches(':focus')")
+    view.page.keyboard.press("x")
+    section.wait_for()
+    view.point(*view.parts().popitem()[1])  # where keys are the picture's
+    view.page.keyboard.press("Escape")
+    section.wait_for(state="hidden")
 
 
 def test_one_stands_in_the_room_and_walks(room):

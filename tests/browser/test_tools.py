@@ -153,8 +153,17 @@ def test_the_history_is_walked_by_clicks(editor):
     editor.page.keyboard.press("Enter")
     editor.root.locator(".sw-step[aria-current]", has_text="Merge").wait_for()
     assert editor.edits() == ["Merge"]
+    history = editor.root.get_by_role("region", name="History")
     editor.page.keyboard.press("Escape")
-    editor.root.get_by_role("region", name="History").wait_for(state="hidden")
+    history.wait_for(state="hidden")
+    editor.button("History").click()
+    history.wait_for()
+    editor.click(start)  # where keys are the picture's; what is picked is let go of first
+    editor.page.keyboard.press("Escape")
+    editor.view.wait("picked", "")
+    assert history.is_visible()
+    editor.page.keyboard.press("Escape")
+    history.wait_for(state="hidden")
 
 
 def test_digits_give_names(editor):

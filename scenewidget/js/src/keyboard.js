@@ -73,7 +73,9 @@ export function listenToKeys({ model, view, panel, pointing, editing, signal }) 
         break;
       case "escape":
         if (panel.isHelpShown()) panel.showHelp(false);
-        else pointing.back();
+        else if (pointing.back()) break;
+        else if (panel.section.isShown()) panel.section.show(false);
+        else if (model.get("history_shown")) set("history_shown", false);
         break;
       case "tool":
         pointing.setTool(ordered.tool);

@@ -195,11 +195,13 @@ export function createPointing(
     onTool();
   }
 
-  /** Let go of what is in hand, then of the tool. */
+  /** Let go of what is in hand, then of the tool; whether there was anything. */
   function back() {
     const isIdle = gesture.phase === "idle" && !gesture.picked && !gesture.stroke;
-    if (isIdle && tool !== "merge") setTool("merge");
+    if (isIdle && tool === "merge") return false;
+    if (isIdle) setTool("merge");
     else letGo();
+    return true;
   }
 
   const letGo = () => feed({ type: "cancel", id: -1, x: 0, y: 0 });
