@@ -85,6 +85,14 @@ WATCH_MESSAGES = """() => {
         if (content.execution_state === "idle") unanswered.delete(parent_header.msg_id);
     });
 }"""
+# What tells why a view isn't as it should be.
+STATE = """root => ({
+    ...root.dataset,
+    text: root.innerText,
+    page: document.visibilityState,
+    place: JSON.stringify(root.getBoundingClientRect()),
+    canvases: [...document.querySelectorAll("canvas")].map((c) => [c.width, c.height, c.isConnected]),
+})"""
 IS_IDLE = """() => window.jupyterapp?.shell.currentWidget?.context?.sessionContext
     ?.session?.kernel?.status === 'idle'"""
 OPEN = """async path => {
@@ -94,12 +102,15 @@ OPEN = """async path => {
     await context.sessionContext.ready;
 }"""
 LEAVE = """async () => {
-    const { shell, commands } = window.jupyterapp;
+    const { shell, commands, serviceManager } = window.jupyterapp;
     const { context } = shell.currentWidget;
-    await context.sessionContext.shutdown();
+    const { session } = context.sessionContext;
     context.model.dirty = false;  // or it would ask whether to save
     await commands.execute("application:close-all");
-    return document.querySelector(".jp-Notebook, .scenewidget, .jp-Dialog") === null;
+    const isTidy = () => document.querySelector(".jp-Notebook, .scenewidget, .jp-Dialog") === null;
+    for (let frame = 0; frame < 100 && !isTidy(); frame++) await new Promise(requestAnimationFrame);
+    if (session) await serviceManager.sessions.shutdown(session.id);  // now that nothing looks at it any more
+    return isTidy();
 }"""
 HAS_CELLS = """() => {
     const { content } = window.jupyterapp.shell.currentWidget;
@@ -420,10 +431,16 @@ class View:
 
     def wait(self, name: str, value: str) -> None:
         """Wait until an attribute has a value."""
-        self.page.wait_for_function(
-            "([root, name, value]) => root.getAttribute(`data-${name}`) === value",
-            arg=[self.root.element_handle(), name, value],
-        )
+        from playwright.sync_api import TimeoutError as Late
+
+        try:
+            self.page.wait_for_function(
+                "([root, name, value]) => root.getAttribute(`data-${name}`) === value",
+                arg=[self.root.element_handle(), name, value],
+            )
+        except Late:
+            seen = self.root.evaluate(STATE)
+            raise AssertionError(f"data-{name} never became {value!r}: {seen}") from None
 
     def settle(self) -> None:
         """Wait until the camera has stopped and what is under the pointer is known again."""

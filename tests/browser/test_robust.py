@@ -166,3 +166,6 @@ def test_a_notebook_closed_and_opened_again_shows_the_view_as_it_was(room):
     again.settle()
     assert again.state("segments") == "5"
     assert difference(again.pixels(), before) < 0.01
+    book.page.goto(
+        "about:blank"
+    )  # a page that was loaded again opens its notebook once more, for the next test

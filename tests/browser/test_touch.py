@@ -55,18 +55,18 @@ class Fingers:
 
 # On a busy machine, half a second can pass before a finger is lifted.
 NO_LONG_PRESS = """() => {
-    const later = window.later = window.setTimeout;
+    const later = window.setTimeout;
     window.setTimeout = (act, ms, ...rest) => later(act, ms === 500 ? 3_600_000 : ms, ...rest);
+    return () => { window.setTimeout = later; };
 }"""
-LONG_PRESS = "() => { window.setTimeout = window.later; }"
 
 
 @pytest.fixture
 def fingers(editor):
     """Hands on the screen of an editor; none of their touches is long."""
-    editor.page.evaluate(NO_LONG_PRESS)
+    undo = editor.page.evaluate_handle(NO_LONG_PRESS)
     yield Fingers(editor.view)
-    editor.page.evaluate(LONG_PRESS)
+    undo.evaluate("undo => undo()")
 
 
 def camera(editor):

@@ -254,18 +254,21 @@ def _on_page(view, place: tuple[float, float]) -> tuple[float, float]:
 
 def test_without_webgl_the_cell_says_so(notebook):
     book = notebook([ROOM + "view"])
-    book.page.evaluate(
+    undo = book.page.evaluate_handle(
         """() => {
-            const getContext = HTMLCanvasElement.prototype.getContext;
-            HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+            const { prototype } = HTMLCanvasElement;
+            const { getContext } = prototype;
+            prototype.getContext = function (kind, ...rest) {
                 return kind === "webgl2" ? null : getContext.call(this, kind, ...rest);
             };
+            return () => { prototype.getContext = getContext; };
         }"""
     )
     book.run_all()
     alert = book.page.locator(".scenewidget").get_by_role("alert")
     alert.wait_for()
     assert "needs WebGL 2" in alert.inner_text()
+    undo.evaluate("undo => undo()")
 
 
 def test_light_and_dark_follow_the_host(room):
