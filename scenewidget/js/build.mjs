@@ -4,9 +4,9 @@ import { build } from "esbuild";
 await build({
   entryPoints: [
     { in: "src/index.js", out: "scene_view" },
-    { in: "src/style.css", out: "scene_view" },
-    { in: "src/controls.js", out: "controls" },
-    { in: "src/controls.css", out: "controls" },
+    { in: "src/panel/style.css", out: "scene_view" },
+    { in: "src/controls/index.js", out: "controls" },
+    { in: "src/controls/controls.css", out: "controls" },
   ],
   outdir: process.argv[2] ?? "../static",
   bundle: true,

@@ -1,27 +1,28 @@
 /** Connects the model that Python holds with a view of it on the page. */
 
-import { ASIDE, GONE_NOTICE, watchConnection } from "./connection.js";
-import { createCutting } from "./cutting.js";
-import { counted } from "./description.js";
-import { createEditing } from "./editing.js";
-import { faceValues } from "./errors.js";
-import { facesOf } from "./hiding.js";
-import { listenToKeys } from "./keyboard.js";
-import { FIRST_STEPS, FIRST_TOUCHES } from "./keys.js";
-import { Labelling } from "./labelling.js";
-import { legendOf } from "./legend.js";
-import { createLinking } from "./linking.js";
-import { createPanel } from "./panel.js";
-import { createPointing } from "./pointing.js";
-import { Preview } from "./preview.js";
-import { hiddenSegments, listen, on, readMesh, summaryOf } from "./reading.js";
-import { segmentRows } from "./segments.js";
-import { createSuggesting } from "./suggesting.js";
-import { watchTheme } from "./theme.js";
-import { Viewer } from "./viewer.js";
-import { readArray } from "./wire.js";
+import { createCutting } from "./input/cut_preview.js";
+import { createEditing } from "./input/edit_commands.js";
+import { listenToKeys } from "./input/keyboard.js";
+import { FIRST_STEPS, FIRST_TOUCHES } from "./input/keys.js";
+import { createLinking } from "./input/linked_views.js";
+import { createPointing } from "./input/pointer.js";
+import { counted, summary } from "./labels/description.js";
+import { faceValues } from "./labels/face_values.js";
+import { countHidden, facesOf } from "./labels/hidden.js";
+import { Preview } from "./labels/preview.js";
+import { segmentRows } from "./labels/segment_rows.js";
+import { Labelling } from "./labels/shown_segments.js";
+import { legendOf } from "./panel/legend.js";
+import { createPanel } from "./panel/panel.js";
+import { createSuggesting } from "./panel/suggestion_bar.js";
+import { watchTheme } from "./panel/theme.js";
+import { readMesh } from "./scene/mesh.js";
+import { Viewer } from "./scene/viewer.js";
+import { ASIDE, GONE_NOTICE, watchConnection } from "./wire/connection.js";
+import { listen, on } from "./wire/listen.js";
+import { readArray } from "./wire/wire.js";
 
-/** @typedef {import("./wire.js").Model} Model */
+/** @typedef {import("./wire/wire.js").Model} Model */
 
 const GEOMETRY = ["vertices", "faces", "vertex_colors", "up"];
 const PARTITION = ["face_atom", "atom_part", "atom_segment", "segment_colors", "atom_confidence"];
@@ -67,9 +68,9 @@ function render(host) {
 /**
  * What one page alone knows of a view, for the one that takes its place.
  * @typedef {object} Kept
- * @property {import("./camera.js").Camera} [camera]
- * @property {import("./camera.js").Camera | null} [outside]
- * @property {import("./gestures.js").Tool} [tool]
+ * @property {import("./scene/camera.js").Camera} [camera]
+ * @property {import("./scene/camera.js").Camera | null} [outside]
+ * @property {import("./input/gestures.js").Tool} [tool]
  * @property {boolean} [isSectionShown]
  */
 
@@ -276,7 +277,7 @@ function start({ model, el }, again, kept) {
       undo: labelling.undo,
       redo: labelling.redo,
       pending: labelling.pending.operations.length,
-      nHidden: hiddenSegments(view),
+      nHidden: countHidden(view.hidden, view.partition),
       vocabulary: model.get("vocabulary"),
       saveState: model.get("save_state"),
       saveNote: model.get("save_note"),
@@ -285,7 +286,11 @@ function start({ model, el }, again, kept) {
       historyShown: model.get("history_shown"),
       history: model.get("history"),
       nDone: model.get("n_done"),
-      summary: isFirstStep ? firstSteps : summaryOf(view),
+      summary: isFirstStep
+        ? firstSteps
+        : view.mesh
+          ? summary(view.mesh.faces.length / 3, view.partition)
+          : "",
       legend: legendOf(model),
     });
     if (panel.list.isShown() && view.partition) {
@@ -295,7 +300,7 @@ function start({ model, el }, again, kept) {
   }
 
   let lostTimer = 0;
-  /** What to say of edits that nobody answers. @returns {import("./keeping.js").Notice[]} */
+  /** What to say of edits that nobody answers. @returns {import("./panel/autosave.js").Notice[]} */
   function lostEdits() {
     const { age, operations } = labelling.pending;
     clearTimeout(lostTimer);
@@ -443,5 +448,5 @@ function messageOf(error) {
   return error instanceof Error ? error.message : String(error);
 }
 
-export { savedModel } from "./standalone.js";
+export { savedModel } from "./wire/saved_model.js";
 export default { render };

@@ -1,0 +1,171 @@
+/** The segments as one page shows them: Python's, with the edits on top that it hasn't answered yet. */
+
+import { readArray } from "../wire/wire.js";
+import { meanConfidence } from "./confidence.js";
+import { describeFace, segmentTitle } from "./description.js";
+import { divided } from "./offcut.js";
+import { countSegments, makePartition, NONE } from "./partition.js";
+import { pendingOf } from "./pending.js";
+import { canMerge, FINAL, foresee, highest, NOTHING, replay } from "./prediction.js";
+
+/** @typedef {import("../wire/wire.js").Model} Model */
+/** @typedef {import("../scene/viewer.js").Viewer} Viewer */
+/** @typedef {import("./partition.js").Tables} Tables */
+
+export class Labelling {
+  /**
+   * @param {Model} model
+   * @param {Viewer} view
+   * @param {import("./preview.js").Preview} preview
+   */
+  constructor(model, view, preview) {
+    this.model = model;
+    this.view = view;
+    this.preview = preview;
+    this.pending = pendingOf(model.get("_token") ?? "");
+    /** @type {import("./prediction.js").Ground | null} */
+    this.ground = null;
+    /** @type {ReturnType<typeof replay> | null} */
+    this.shown = null;
+    /** An edit that is being made: shown, but not told. @type {import("./prediction.js").Edit | null} */
+    this.sketch = null;
+    /** What a cut would divide off, shown as if it were done, while `under` are the segments. @type {{ under: Uint32Array, segment: number, nFaces: number, tables: Tables } | null} */
+    this.offcut = null;
+    /** Whether something else is shown for the moment. */
+    this.isPreview = false;
+    /** @type {Tables | null} */
+    this.tables = null;
+  }
+
+  /** Take what the model holds and show it. */
+  read() {
+    const { model, view } = this;
+    const faceAtom = /** @type {Uint32Array | null} */ (readArray(model, "face_atom"));
+    const atomSegment = /** @type {Uint32Array | null} */ (readArray(model, "atom_segment"));
+    if (!faceAtom || !atomSegment) {
+      this.ground = this.shown = this.offcut = null;
+      view.setPartition(null);
+      return;
+    }
+    const atomPart = /** @type {Uint32Array | null} */ (readArray(model, "atom_part"));
+    const segmentColors = /** @type {Uint8Array | null} */ (readArray(model, "segment_colors"));
+    const atomConfidence = /** @type {Uint16Array | null} */ (readArray(model, "atom_confidence"));
+    this.pending.answered(model.get("_answers"));
+    this.ground = { faceAtom, parts: partsOf(model.get("levels"), atomPart, atomSegment.length) };
+    const labels = { atomSegment, names: model.get("segment_names") };
+    const operations = this.sketch ? [...this.pending.operations, this.sketch] : this.pending.operations;
+    this.shown = replay(this.ground, labels, operations);
+    const preview = this.preview.tables();
+    this.isPreview = preview !== null;
+    if (preview) {
+      view.setPartition(makePartition({ ...preview, atomPart: null }, -1, view.mesh));
+      return;
+    }
+    const level = this.level === FINAL ? -1 : model.get("levels").indexOf(this.level);
+    const { atomSegment: under } = this.shown.labels;
+    this.tables = { faceAtom, atomSegment: under, atomPart, segmentColors, atomConfidence };
+    if (this.offcut?.under !== under) this.offcut = null;
+    view.setPartition(makePartition(this.offcut?.tables ?? this.tables, level, view.mesh));
+  }
+
+  /** Show some faces as a segment of their own until the segments change; none ends it. @param {number[]} faces */
+  cutOff(faces) {
+    const under = this.atomSegment;
+    const segment = under ? highest(under) + 1 : 0;
+    this.offcut =
+      under && this.tables && faces.length > 0
+        ? { under, segment, nFaces: faces.length, tables: divided(this.tables, faces, segment) }
+        : null;
+  }
+
+  /** Segments of the atoms as they are shown, but for an offcut. */
+  get atomSegment() {
+    return this.shown?.labels.atomSegment ?? null;
+  }
+
+  /** Segment under a face, whatever a cut would divide off. @param {number} face */
+  segmentOf(face) {
+    const { ground, atomSegment, offcut } = this;
+    return offcut && ground && atomSegment ? atomSegment[ground.faceAtom[face]] : this.view.segmentOf(face);
+  }
+
+  /** Whether two faces are in one segment. @param {number} first @param {number} second */
+  canCut(first, second) {
+    const edit = /** @type {const} */ ({ kind: "cut", face_a: first, face_b: second });
+    const labels = this.shown?.labels;
+    return (
+      !this.isPreview &&
+      !!this.ground &&
+      !!labels &&
+      first !== second &&
+      typeof foresee(this.ground, labels, edit) !== "string"
+    );
+  }
+
+  get level() {
+    return this.model.get("level");
+  }
+
+  get count() {
+    const shown = this.isPreview ? this.view.partition?.atomSegment : this.atomSegment;
+    return shown ? countSegments(shown) : 0;
+  }
+
+  /** Names by segment. @returns {Record<string, string>} */
+  get names() {
+    return this.isPreview ? {} : (this.shown?.labels.names ?? {});
+  }
+
+  /** Name of the step that undo would take; null = there is none. @returns {string | null} */
+  get undo() {
+    return this.shown?.undo ?? (this.model.get("undo_title") || null);
+  }
+
+  /** @returns {string | null} */
+  get redo() {
+    if (this.shown?.redo === NOTHING) return null;
+    return this.shown?.redo ?? (this.model.get("redo_title") || null);
+  }
+
+  /** Whether the part under a face can be merged with what is under another. @param {number} face @param {number} onto */
+  isTarget(face, onto) {
+    const edit = /** @type {const} */ ({ kind: "merge", face, onto_face: onto, level: this.level });
+    return this.ground !== null && this.shown !== null && canMerge(this.ground, this.shown.labels, edit);
+  }
+
+  /** Of each segment. While edits wait for Python, its numbers are of other segments. */
+  get confidence() {
+    if (this.isPreview) return null;
+    const isSettled = this.pending.operations.length === 0;
+    if (isSettled) return /** @type {Float32Array | null} */ (readArray(this.model, "segment_confidence"));
+    return this.view.partition && meanConfidence(this.view.partition);
+  }
+
+  /** What the status line says of a face. @param {number} face */
+  descriptionOf(face) {
+    const partition = /** @type {import("./partition.js").Partition} */ (this.view.partition);
+    const segment = this.view.segmentOf(face);
+    const context = { level: this.level, names: this.names, confidence: this.confidence };
+    const [red, green, blue] = partition.segmentColors.subarray(3 * segment, 3 * segment + 3);
+    return {
+      text: describeFace(partition, face, context),
+      color: segment === NONE || blue === undefined ? null : `rgb(${red} ${green} ${blue})`,
+    };
+  }
+
+  /** @param {import("../input/gestures.js").Hit} hit */
+  titleOf({ part, segment }) {
+    return part === segment ? segmentTitle(segment, this.names) : `Part of level ${this.level}`;
+  }
+}
+
+/**
+ * Parts of each atom by level.
+ * @param {string[]} levels
+ * @param {Uint32Array | null} atomPart  levels one after another
+ * @param {number} nAtoms
+ */
+function partsOf(levels, atomPart, nAtoms) {
+  const rows = levels.map((_, i) => atomPart?.subarray(i * nAtoms, (i + 1) * nAtoms) ?? new Uint32Array(0));
+  return Object.fromEntries(levels.map((level, i) => [level, rows[i]]));
+}

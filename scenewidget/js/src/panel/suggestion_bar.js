@@ -1,0 +1,94 @@
+/** One edit at a time that the ensemble would like to have judged: framed, lit, and done or passed over. */
+
+import { hear } from "../wire/channel.js";
+import { on } from "../wire/listen.js";
+import { element, iconButton, textButton } from "./elements.js";
+
+/**
+ * @param {object} around
+ * @param {import("../wire/wire.js").Model} around.model
+ * @param {import("../scene/viewer.js").Viewer} around.view
+ * @param {ReturnType<typeof import("./panel.js").createPanel>} around.panel
+ * @param {import("../labels/shown_segments.js").Labelling} around.labelling
+ * @param {ReturnType<typeof import("../input/pointer.js").createPointing>} around.pointing
+ * @param {AbortSignal} around.signal
+ */
+export function createSuggesting({ model, view, panel, labelling, pointing, signal }) {
+  const { root } = panel;
+  const text = element("span", { class: "sw-picked-text" });
+  const accept = textButton("Accept", "Do this (Enter)");
+  const skip = textButton("Skip", "Don't suggest this again (K)");
+  const close = iconButton("close", "Stop suggesting", "Esc");
+  const bar = element(
+    "div",
+    { class: "sw-picked sw-suggestion", role: "toolbar", "aria-label": "Suggestion", hidden: "" },
+    [text, accept, skip, close],
+  );
+  panel.dock.append(bar);
+  let shown = /** @type {any} */ ({});
+  let isWaiting = false; // for Python's answer
+
+  /** @param {"next" | "accept" | "skip" | "close"} what */
+  function send(what) {
+    if (labelling.isPreview || (isWaiting && what !== "close")) return;
+    isWaiting = true;
+    model.send({ kind: "suggest", do: what, number: shown.number ?? 0 });
+  }
+
+  function show() {
+    shown = model.get("suggestion") ?? {};
+    isWaiting = false;
+    const isThere = shown.title !== undefined;
+    if (bar.hidden === isThere && !isThere && bar.contains(document.activeElement))
+      root.focus({ preventScroll: true });
+    bar.hidden = !isThere;
+    root.dataset.suggestion = isThere ? shown.kind : "";
+    text.textContent = shown.title ?? "";
+    pointing.propose(isThere ? { face: shown.face, onto: shown.onto_face } : null);
+  }
+
+  function showNext() {
+    const { number } = shown;
+    show();
+    if (bar.hidden || shown.number === number) return;
+    if (model.get("level") !== shown.level) {
+      model.set("level", shown.level);
+      model.save_changes();
+    }
+    queueMicrotask(() => view.lookAround(shown.face)); // once the parts are those of the level
+  }
+
+  accept.onclick = () => send("accept");
+  skip.onclick = () => send("skip");
+  close.onclick = () => send("close");
+  const onKey = (/** @type {KeyboardEvent} */ event) => {
+    const { target } = event;
+    if (target !== root && !(target instanceof Node && bar.contains(target))) return;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const key = event.key.toLowerCase();
+    const isThere = !bar.hidden;
+    const meant =
+      key === "k" && isThere
+        ? "skip"
+        : key === "k" && model.get("editable")
+          ? "next"
+          : key === "enter" && isThere && target === root // a button does its own
+            ? "accept"
+            : key === "escape" && isThere
+              ? "close"
+              : null;
+    if (!meant) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    send(meant);
+  };
+  root.addEventListener("keydown", onKey, { signal, capture: true });
+  on(model, "change:suggestion", showNext, signal);
+  const onMessage = (/** @type {any} */ message) => {
+    if (message.kind !== "suggest") return;
+    send("next");
+    root.focus({ preventScroll: true });
+  };
+  hear(() => model.get("_channel"), onMessage, signal);
+  show();
+}

@@ -1,0 +1,665 @@
+/**
+ * One picture of one mesh: where the camera is, when what is drawn, and what lies under the pointer.
+ *
+ * While the camera moves, a slow machine draws a coarse stand-in at a lower resolution; when it stops,
+ * everything is drawn fully once and the face numbers are read back, so that pointing costs a look-up.
+ */
+
+import { atomTable } from "../labels/atom_table.js";
+import { carried } from "../labels/hidden.js";
+import { NONE } from "../labels/partition.js";
+import {
+  add,
+  facing,
+  firstDirection,
+  fit,
+  frame,
+  fromAbove,
+  mainAxis,
+  meet,
+  orbit,
+  pan,
+  project,
+  ray,
+  TANGENT,
+  zoom,
+} from "./camera.js";
+import { boundingBall, coarse, sample } from "./geometry.js";
+import { SceneRenderer } from "./renderer.js";
+import { belowCeiling, boxOf, extentOf, isWhole, pointsInside, WHOLE } from "./section.js";
+import { dolly, goTo, lookAround, lookTo, standing, standingPlace, walked } from "./walk.js";
+
+/** @typedef {import("./camera.js").Camera} Camera */
+/** @typedef {import("./camera.js").Vec3} Vec3 */
+/** @typedef {import("../input/gestures.js").Action} Action */
+/** @typedef {import("../input/gestures.js").Place} Place */
+/** @typedef {import("../labels/atom_table.js").ColorBy} ColorBy */
+/** @typedef {import("../labels/partition.js").Partition} Partition */
+/** @typedef {import("./renderer.js").MeshArrays} MeshArrays */
+
+const REST_MS = 140; // without movement for so long, the camera has stopped
+const FLIGHT_MS = 280;
+const BLINK_MS = 1100;
+const SMOOTH_MS = 40; // a full drawing that takes longer is replaced by the coarse one while moving
+const SWIFT_MS = 12; // one that takes less can be drawn twice as fine, which smooths its edges
+const COARSE_FACES = 120_000;
+const FRAME_FACES = 20_000; // that a segment is framed by
+const ORBIT_SPEED = 0.0075; // radians a pixel
+
+// what has to be done again; each implies those below it
+const PICTURE = 1;
+const PAINT = 2;
+const FACES = 3;
+
+const COLOR_CODES = {
+  segments: 0,
+  parts: 0,
+  confidence: 0,
+  scan: 1,
+  shaded: 2,
+  values: 3,
+  errors: 3,
+  normals: 4,
+};
+
+export class Viewer {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {object} events
+   * @param {() => void} events.onFirstFrame
+   * @param {(error: unknown) => void} events.onFailure  nothing more will be drawn
+   * @param {() => void} events.onMove  what lies under the pointer is not known for now
+   * @param {() => void} events.onRest  it is known again, and may have changed
+   * @param {(camera: Camera) => void} [events.onCamera]  it has been moved, by other means than `follow`
+   */
+  constructor(canvas, { onFirstFrame, onFailure, onMove, onRest, onCamera }) {
+    this.canvas = canvas;
+    this.onFirstFrame = onFirstFrame;
+    this.onFailure = onFailure;
+    this.onMove = onMove;
+    this.onRest = onRest;
+    this.onCamera = onCamera;
+    this.renderer = new SceneRenderer(canvas);
+    /** @type {Camera} */
+    this.camera = { target: [0, 0, 0], yaw: -1, pitch: 0.7, distance: 1 };
+    /** @type {Camera} */
+    this.start = this.camera;
+    /** Where to look from first, instead of where everything is seen best. @type {Camera | null} */
+    this.first = null;
+    /** @type {MeshArrays | null} */
+    this.mesh = null;
+    /** @type {Partition | null} */
+    this.partition = null;
+    /** What to keep of the scan, along the walls and upwards. */
+    this.section = WHOLE;
+    /** Extent of the scan along its walls and upwards. @type {import("./section.js").Box | null} */
+    this.extent = null;
+    /** Where one looked from before going inside. @type {Camera | null} */
+    this.outside = null;
+    this.size = { width: 0, height: 0 };
+    /** @type {{ numbers: import("./renderer.js").Numbers, camera: Camera, aspect: number } | null} */
+    this.snapshot = null;
+    this.look = {
+      /** @type {ColorBy} */
+      colorBy: "shaded",
+      mixing: 1,
+      outlines: true,
+      backFaces: false,
+      isDark: false,
+      hovered: NONE,
+      picked: NONE,
+      target: NONE,
+    };
+    /** 1 for each atom that isn't drawn. @type {Uint8Array | null} */
+    this.hidden = null;
+    /** What was hidden over the atoms of then, for when a preview ends. @type {{ faceAtom: Uint32Array, hidden: Uint8Array | null } | null} */
+    this.chosen = null;
+    this.isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.needs = 0;
+    this.isMoving = false;
+    this.isPlaced = false;
+    this.hasDrawn = false;
+    this.isLost = false;
+    this.isDisposed = false;
+    /** Milliseconds of a full drawing; unknown until measured. @type {number | null} */
+    this.cost = null;
+    this.isSwift = false;
+    this.drawing = 0;
+    this.request = 0;
+    this.restTimer = 0;
+    this.blinkTimer = 0;
+    this.coarseTimer = 0;
+    /** @type {{ from: Camera, to: Camera, began: number } | null} */
+    this.flight = null;
+    /** @type {{ place: Place, point: Vec3 } | null} */
+    this.anchor = null;
+  }
+
+  /** @param {MeshArrays} mesh */
+  setMesh(mesh) {
+    const isOther = this.mesh !== null;
+    this.mesh = mesh;
+    this.sample = sample(mesh.vertices, mesh.faces);
+    this.extent = extentOf(this.sample);
+    this.renderer.setMesh(mesh);
+    clearTimeout(this.coarseTimer);
+    this.work = undefined;
+    this.#cut();
+    if (isOther) this.isPlaced = false;
+    this.#draw();
+  }
+
+  /** Cut the scan open. @param {import("./section.js").Range[]} ranges  see section.js */
+  setSection(ranges) {
+    if (JSON.stringify(ranges) === JSON.stringify(this.section)) return;
+    this.section = ranges;
+    this.#cut();
+    this.#changed();
+  }
+
+  #cut() {
+    const box = this.extent && boxOf(this.extent, this.section);
+    const { points } = this.sample ?? { points: new Float32Array(0) };
+    this.points = box ? pointsInside(points, box) : points;
+    this.renderer.setSection(box);
+  }
+
+  /** The section without the ceiling. */
+  get openedAbove() {
+    if (!this.sample || !this.extent) return WHOLE;
+    const [length, width, [low]] = this.section;
+    const high = belowCeiling(this.extent, this.sample);
+    return [length, width, /** @type {import("./section.js").Range} */ ([Math.min(low, high - 0.1), high])];
+  }
+
+  get isCut() {
+    return !isWhole(this.section);
+  }
+
+  /** Metres of the whole scan, along the walls and upwards. */
+  get lengths() {
+    const { low, high } = this.extent ?? { low: [0, 0, 0], high: [0, 0, 0] };
+    return low.map((from, k) => high[k] - from);
+  }
+
+  /** @param {Partition | null} partition */
+  setPartition(partition) {
+    if (partition?.faceAtom !== this.partition?.faceAtom)
+      this.renderer.setFaceAtoms(partition?.faceAtom ?? null);
+    const hadHidden = this.hidden !== null;
+    this.hidden =
+      partition && partition.faceAtom === this.chosen?.faceAtom
+        ? this.chosen.hidden
+        : carried(this.hidden, this.partition, partition);
+    this.partition = partition;
+    this.#setTable();
+    this.#draw(hadHidden && !this.hidden ? FACES : PAINT);
+  }
+
+  /**
+   * Leave out some atoms; null shows everything.
+   * @param {((atom: number) => boolean) | null} isHidden
+   */
+  hide(isHidden) {
+    if (!this.partition) return;
+    const { atomSegment, faceAtom } = this.partition;
+    const n = atomSegment.length;
+    this.hidden = isHidden ? Uint8Array.from({ length: n }, (_, atom) => Number(isHidden(atom))) : null;
+    this.chosen = { faceAtom, hidden: this.hidden };
+    this.#setTable();
+    this.#draw(FACES);
+  }
+
+  #setTable() {
+    this.renderer.setHidden(this.hidden !== null);
+    if (this.partition) this.renderer.setAtomTable(atomTable(this.partition, this.look.colorBy, this.hidden));
+  }
+
+  /** @param {Uint16Array} values @param {Uint8Array} colormap */
+  setValues(values, colormap) {
+    this.renderer.setValues(values, colormap);
+    this.#draw(PAINT);
+  }
+
+  /** @param {Partial<Viewer["look"]>} changes */
+  setLook(changes) {
+    const before = this.look;
+    this.look = { ...before, ...changes };
+    if (this.look.colorBy !== before.colorBy) this.#setTable();
+    if (this.look.hovered !== before.hovered || this.look.target !== before.target) this.#blink();
+    const isNew = (/** @type {keyof Viewer["look"]} */ name) => this.look[name] !== before[name];
+    const hasNormals = this.look.colorBy === "normals";
+    if (hasNormals !== (before.colorBy === "normals")) {
+      this.renderer.setNormals(hasNormals);
+      this.#draw(FACES);
+    } else if (isNew("backFaces")) this.#draw(FACES);
+    else if (isNew("colorBy") || isNew("mixing") || isNew("isDark")) this.#draw(PAINT);
+    else if (isNew("outlines") || isNew("hovered") || isNew("picked") || isNew("target")) this.#draw(PICTURE);
+  }
+
+  /** @param {number} width @param {number} height  CSS pixels */
+  resize(width, height) {
+    this.size = { width, height };
+    if (width < 1 || height < 1) return;
+    this.renderer.resize(width, height, Math.min(2, devicePixelRatio || 1));
+    if (this.mesh && this.sample && !this.isPlaced) {
+      this.isPlaced = true;
+      this.start = this.#fitted({ ...this.camera, ...firstDirection(this.sample.normals) });
+      this.camera = this.first ?? this.start;
+    }
+    this.#draw();
+  }
+
+  /** Whether one stands in the room. */
+  get isInside() {
+    return (this.flight?.to ?? this.camera).tangent !== undefined;
+  }
+
+  /** 1 in a room in metres. */
+  get #scale() {
+    const height = this.lengths[2];
+    return height > 1 && height < 10 ? 1 : height / 2.5;
+  }
+
+  /** Stand in the room, or go back to where one came from. @param {boolean} isInside */
+  goInside(isInside) {
+    if (!this.sample || !this.extent || isInside === this.isInside) return;
+    if (!isInside) {
+      this.#fly(this.outside ?? this.start);
+      return;
+    }
+    this.outside = this.flight?.to ?? this.camera;
+    this.#fly(standing(standingPlace(this.extent, this.sample), this.outside.yaw, 1.5 * this.#scale));
+  }
+
+  /** Go on while standing in the room. @param {Iterable<import("./walk.js").Way>} ways @param {number} seconds */
+  walk(ways, seconds) {
+    if (this.isInside) this.#move(walked(this.flight?.to ?? this.camera, ways, seconds, this.#scale));
+  }
+
+  /** @param {"here" | "above" | "start" | "inside"} from */
+  lookFrom(from) {
+    if (!this.sample) return;
+    if (from === "inside") {
+      this.goInside(true);
+      return;
+    }
+    if (this.isInside) this.camera = { ...this.camera, tangent: undefined };
+    if (from === "start") this.start = this.#fitted({ ...this.start });
+    const camera = {
+      here: this.camera,
+      above: fromAbove(this.camera, mainAxis(this.sample.normals)),
+      start: this.start,
+    };
+    this.#fly(from === "start" ? this.start : this.#fitted(camera[from]));
+  }
+
+  /** Bring the segment of a face into the middle, as large as it fits. @param {number} face */
+  lookAt(face) {
+    if (!this.partition || !this.mesh) return;
+    const { faceAtom, atomSegment } = this.partition;
+    const segment = atomSegment[faceAtom[face]];
+    if (segment === NONE) return;
+    const { width, height } = this.size;
+    const { points } = this.#sampleOf((atom) => atomSegment[atom] === segment);
+    const framed = fit(this.camera, points, width / Math.max(1, height), 0.3);
+    this.#fly(this.isInside ? lookTo(this.camera, framed.target) : framed);
+  }
+
+  /** Bring the part of a face into the middle, its front to the eye, with what is around it. @param {number} face */
+  lookAround(face) {
+    if (!this.partition || !this.mesh) return;
+    const { atomPart } = this.partition;
+    const part = this.partOf(face);
+    if (part === NONE) return;
+    const { points, normals } = this.#sampleOf((atom) => atomPart[atom] === part);
+    const { middle, radius } = boundingBall(points);
+    if (this.isInside) {
+      this.#fly(lookTo(this.camera, middle));
+      return;
+    }
+    const shown = Math.min(Math.max(this.#scale, 2 * radius), this.mesh.bounds.radius);
+    const aspect = this.size.width / Math.max(1, this.size.height);
+    const turned = facing(this.camera, sum(normals));
+    this.#fly({ ...turned, target: middle, distance: shown / (TANGENT * Math.min(1, aspect)) });
+  }
+
+  /** Some of the faces of atoms. @param {(atom: number) => boolean} isIn */
+  #sampleOf(isIn) {
+    const { faceAtom } = /** @type {Partition} */ (this.partition);
+    const { vertices, faces } = /** @type {MeshArrays} */ (this.mesh);
+    const inside = [];
+    for (let f = 0; f < faceAtom.length; f++)
+      if (isIn(faceAtom[f])) inside.push(faces[3 * f], faces[3 * f + 1], faces[3 * f + 2]);
+    return sample(vertices, Uint32Array.from(inside), FRAME_FACES);
+  }
+
+  /** @param {Action} action */
+  apply(action) {
+    const { width, height } = this.size;
+    switch (action.kind) {
+      case "orbit":
+        if (this.isInside) {
+          const angle = (2 * Math.atan(this.camera.tangent ?? TANGENT)) / Math.max(1, height);
+          return this.#move(lookAround(this.camera, action.dx * angle, action.dy * angle));
+        }
+        return this.#move(orbit(this.camera, -action.dx * ORBIT_SPEED, action.dy * ORBIT_SPEED));
+      case "pan":
+        return this.#move(pan(this.camera, action.dx / height, action.dy / height));
+      case "zoom": {
+        if (this.isInside)
+          return this.#move(dolly(this.camera, -1.5 * this.#scale * Math.log(action.factor)));
+        const point = this.#anchorAt({ x: action.x ?? width / 2, y: action.y ?? height / 2 });
+        const nearest = 0.01 * (this.mesh?.bounds.radius ?? 1);
+        return this.#move(zoom(this.camera, action.factor, point, nearest));
+      }
+    }
+  }
+
+  /** Make the point at a place the one to turn around. @param {Place} place */
+  recentre(place) {
+    const point = this.pointAt(place);
+    if (point)
+      this.#fly(
+        this.isInside ? goTo(this.camera, point, 0.6 * this.#scale) : { ...this.camera, target: point },
+      );
+  }
+
+  /**
+   * Face drawn at a place of the picture at rest; null on the background, outside, and while moving.
+   * @param {Place} place  CSS pixels from the upper left
+   */
+  faceAt({ x, y }) {
+    if (!this.snapshot || this.isMoving) return null;
+    return this.#snapshotFace({ x, y });
+  }
+
+  /**
+   * Face and part at a place; null where there is no part.
+   * @param {Place} place
+   * @returns {import("../input/gestures.js").Hit | null}
+   */
+  hitAt(place) {
+    const face = this.faceAt(place);
+    if (face === null || !this.partition) return null;
+    const part = this.partition.atomPart[this.partition.faceAtom[face]];
+    return part === NONE ? null : { face, part, segment: this.segmentOf(face) };
+  }
+
+  /** @param {number} face */
+  partOf(face) {
+    return this.partition ? this.partition.atomPart[this.partition.faceAtom[face]] : NONE;
+  }
+
+  /** A face of a segment, in its largest atom; null if it has none. @param {number} segment */
+  faceOf(segment) {
+    if (!this.partition) return null;
+    const { faceAtom, atomSegment, atomFaces } = this.partition;
+    let largest = -1;
+    for (let atom = 0; atom < atomSegment.length; atom++) {
+      if (atomSegment[atom] === segment && !(atomFaces[atom] <= atomFaces[largest])) largest = atom;
+    }
+    return largest < 0 ? null : faceAtom.indexOf(largest);
+  }
+
+  /** @param {number} face */
+  segmentOf(face) {
+    return this.partition ? this.partition.atomSegment[this.partition.faceAtom[face]] : NONE;
+  }
+
+  /**
+   * Where a point of the surface is seen now.
+   * @param {Vec3} point
+   * @returns {Place | null}
+   */
+  placeOf(point) {
+    const { width, height } = this.size;
+    const seen = project(this.camera, point, width / Math.max(1, height));
+    return seen && { x: ((1 + seen[0]) / 2) * width, y: ((1 - seen[1]) / 2) * height };
+  }
+
+  /**
+   * Point of the surface at a place, as the picture was when it last stood still.
+   * @param {Place} place
+   * @returns {Vec3 | null}
+   */
+  pointAt(place) {
+    const face = this.#snapshotFace(place);
+    if (face === null || !this.snapshot || !this.mesh) return null;
+    const { vertices, faces } = this.mesh;
+    const corner = (/** @type {number} */ k) => {
+      const v = 3 * faces[3 * face + k];
+      return /** @type {Vec3} */ ([vertices[v], vertices[v + 1], vertices[v + 2]]);
+    };
+    const { camera, aspect } = this.snapshot;
+    const direction = this.#ray(camera, place, aspect);
+    return meet(frame(camera).eye, direction, [corner(0), corner(1), corner(2)]);
+  }
+
+  /** The context is gone for now; three.js takes it up again by itself. */
+  lose() {
+    this.isLost = true;
+    this.snapshot = null;
+  }
+
+  restore() {
+    this.isLost = false;
+    this.#draw();
+  }
+
+  dispose() {
+    this.isDisposed = true;
+    cancelAnimationFrame(this.request);
+    for (const timer of [this.restTimer, this.blinkTimer, this.coarseTimer]) clearTimeout(timer);
+    this.renderer.dispose();
+  }
+
+  /** @param {Camera} camera */
+  #fitted(camera) {
+    const { width, height } = this.size;
+    return fit(camera, this.points ?? new Float32Array(0), width / Math.max(1, height));
+  }
+
+  /** Look as another view does. @param {Camera} camera */
+  follow(camera) {
+    this.flight = null;
+    this.camera = camera;
+    this.#changed();
+  }
+
+  /** @param {Camera} camera */
+  #move(camera) {
+    this.flight = null;
+    this.camera = camera;
+    this.#moved();
+  }
+
+  #moved() {
+    this.onCamera?.(this.camera);
+    this.#changed();
+  }
+
+  #changed() {
+    this.isMoving = true;
+    this.#awaitRest();
+    this.#draw();
+  }
+
+  #awaitRest() {
+    clearTimeout(this.restTimer);
+    this.restTimer = window.setTimeout(() => {
+      this.isMoving = false;
+      this.anchor = null;
+      this.#draw();
+    }, REST_MS);
+  }
+
+  /** @param {Camera} to */
+  #fly(to) {
+    if (this.isStill || !this.hasDrawn) return this.#move(to);
+    const turn = Math.round((this.camera.yaw - to.yaw) / (2 * Math.PI)) * 2 * Math.PI;
+    this.flight = { from: this.camera, to: { ...to, yaw: to.yaw + turn }, began: performance.now() };
+    this.#moved();
+  }
+
+  #advanceFlight() {
+    if (!this.flight) return;
+    const { from, to, began } = this.flight;
+    const t = Math.min(1, (performance.now() - began) / FLIGHT_MS);
+    const s = t * t * (3 - 2 * t);
+    const mix = (/** @type {number} */ a, /** @type {number} */ b) => a + s * (b - a);
+    this.camera = {
+      target: add(
+        from.target,
+        [to.target[0] - from.target[0], to.target[1] - from.target[1], to.target[2] - from.target[2]],
+        s,
+      ),
+      yaw: mix(from.yaw, to.yaw),
+      pitch: mix(from.pitch, to.pitch),
+      distance: from.distance * (to.distance / from.distance) ** s,
+      tangent: mix(from.tangent ?? TANGENT, to.tangent ?? TANGENT),
+    };
+    if (t >= 1) [this.camera, this.flight] = [to, null];
+    this.#moved();
+  }
+
+  /** The point that a zoom leaves in place: kept while the pointer stays. @param {Place} place */
+  #anchorAt(place) {
+    const { width, height } = this.size;
+    if (!this.anchor || Math.hypot(place.x - this.anchor.place.x, place.y - this.anchor.place.y) > 3) {
+      const onTarget = add(
+        frame(this.camera).eye,
+        this.#ray(this.camera, place, width / height),
+        this.camera.distance,
+      );
+      this.anchor = { place, point: (!this.isMoving && this.pointAt(place)) || onTarget };
+    }
+    return this.anchor.point;
+  }
+
+  /** @param {Camera} camera @param {Place} place @param {number} aspect */
+  #ray(camera, { x, y }, aspect) {
+    return ray(camera, (2 * x) / this.size.width - 1, 1 - (2 * y) / this.size.height, aspect);
+  }
+
+  /** @param {Place} place */
+  #snapshotFace({ x, y }) {
+    if (!this.snapshot) return null;
+    const { width, height, bytes } = this.snapshot.numbers;
+    const column = Math.floor((x / this.size.width) * width);
+    const row = height - 1 - Math.floor((y / this.size.height) * height);
+    if (!(column >= 0 && column < width && row >= 0 && row < height)) return null;
+    const i = 4 * (row * width + column);
+    const number = bytes[i] | (bytes[i + 1] << 8) | (bytes[i + 2] << 16);
+    return number === 0 ? null : number - 1;
+  }
+
+  #draw(needs = FACES) {
+    if (needs === FACES) this.onMove();
+    this.needs = Math.max(this.needs, needs);
+    if (this.request) return;
+    this.request = requestAnimationFrame(() => {
+      try {
+        this.#frame();
+      } catch (error) {
+        this.onFailure(error);
+        throw error;
+      }
+    });
+  }
+
+  #frame() {
+    this.request = 0;
+    if (this.isDisposed || this.isLost || !this.mesh || !this.isPlaced || this.size.width < 1) return;
+    this.#advanceFlight();
+    const needs = this.needs;
+    this.needs = 0;
+    const nFaces = this.mesh.faces.length / 3;
+    const isSlow = this.cost === null ? nFaces > 3 * COARSE_FACES : this.cost > SMOOTH_MS;
+    const isDraft = this.isMoving && isSlow;
+    const began = performance.now();
+    if (needs === FACES) {
+      this.snapshot = null;
+      this.drawing++;
+      const { backFaces } = this.look;
+      const scale = isDraft ? 0.6 : this.isSwift ? 2 : 1;
+      this.renderer.drawFaces(this.camera, { scale, isCoarse: isDraft, backFaces });
+    }
+    const look = this.#currentLook();
+    if (needs >= PAINT) this.renderer.paint(look);
+    this.renderer.drawPicture(look);
+    if (needs === FACES && this.isMoving) this.#awaitRest(); // a slow frame is no rest
+    if (needs === FACES && !this.isMoving) this.#readNumbers(began);
+    if (!this.hasDrawn) {
+      this.hasDrawn = true;
+      requestAnimationFrame(() => this.onFirstFrame());
+    }
+  }
+
+  /** @param {number} began */
+  async #readNumbers(began) {
+    const [drawing, camera, aspect] = [this.drawing, this.camera, this.size.width / this.size.height];
+    const isFirst = this.cost === null;
+    const numbers = await this.renderer.readNumbers();
+    const isOld = drawing !== this.drawing || this.needs === FACES; // drawn anew meanwhile, or about to be
+    if (!numbers || this.isDisposed || this.isLost || isOld) return;
+    this.snapshot = { numbers, camera, aspect };
+    const cost = performance.now() - began;
+    this.cost = isFirst ? Math.min(cost, SMOOTH_MS + 1) : cost; // the first time includes the transfer to the GPU
+    this.onRest();
+    if (this.cost > SMOOTH_MS) this.#prepareCoarse();
+    if (!this.isSwift && !isFirst && cost < SWIFT_MS && (devicePixelRatio || 1) < 1.5) {
+      this.isSwift = true;
+      this.#draw();
+    }
+  }
+
+  #prepareCoarse() {
+    if (!this.mesh || this.work || this.mesh.faces.length / 3 < 2 * COARSE_FACES) return;
+    const work = coarse(this.mesh.vertices, this.mesh.faces, COARSE_FACES);
+    this.work = work;
+    const proceed = () => {
+      const { done, value } = work.next();
+      if (done) this.renderer.setCoarse(value.faces, value.numbers);
+      else this.coarseTimer = window.setTimeout(proceed, 30);
+    };
+    this.coarseTimer = window.setTimeout(proceed, 200);
+  }
+
+  #blink() {
+    clearTimeout(this.blinkTimer);
+    this.blinkBegan = performance.now();
+    if (this.isStill || (this.look.hovered === NONE && this.look.target === NONE)) return;
+    const tick = () => {
+      this.#draw(PICTURE);
+      this.blinkTimer = window.setTimeout(tick, (this.cost ?? 0) > SMOOTH_MS ? 90 : 40);
+    };
+    this.blinkTimer = window.setTimeout(tick, 40);
+  }
+
+  #currentLook() {
+    const { colorBy, mixing, outlines, isDark, hovered, picked, target } = this.look;
+    const phase = (performance.now() - (this.blinkBegan ?? 0)) / BLINK_MS;
+    return {
+      colorBy: /** @type {0 | 1 | 2 | 3 | 4} */ (
+        colorBy === "scan" && !this.mesh?.colors ? 2 : COLOR_CODES[colorBy]
+      ),
+      mixing,
+      outlines: outlines && ["segments", "parts", "confidence", "errors"].includes(colorBy),
+      outlinesParts: colorBy === "parts",
+      hovered: this.isMoving ? NONE : hovered,
+      picked,
+      target: this.isMoving ? NONE : target,
+      pulse: this.isStill ? 0.6 : 0.5 + 0.5 * Math.cos(2 * Math.PI * phase),
+      isDark,
+    };
+  }
+}
+
+/** Sum of vectors one after another. @param {Float32Array} vectors @returns {Vec3} */
+function sum(vectors) {
+  /** @type {Vec3} */
+  const total = [0, 0, 0];
+  for (let i = 0; i < vectors.length; i++) total[i % 3] += vectors[i];
+  return total;
+}

@@ -1,0 +1,45 @@
+/** Whether the kernel is still there. Without it one can look, but an edit would be lost without a word. */
+
+import { on } from "./listen.js";
+
+const GONE = "jupyter-widgets-disconnected"; // Jupyter's mark of a view whose kernel has gone
+const LEVELS = 4; // of elements around a view, one of which gets the mark
+
+/**
+ * @param {import("./wire.js").Model} model
+ * @param {HTMLElement} host
+ * @param {() => void} onChange
+ * @param {AbortSignal} signal
+ */
+export function watchConnection(model, host, onChange, signal) {
+  const look = () => host.closest(`.${GONE}`) === null;
+  let isLive = look();
+  const check = () => {
+    if (look() === isLive) return;
+    isLive = !isLive;
+    onChange();
+  };
+  const observer = new MutationObserver(check);
+  /** @type {HTMLElement | null} */
+  let node = host;
+  for (let level = 0; node && level < LEVELS; level++, node = node.parentElement) {
+    observer.observe(node, { attributes: true, attributeFilter: ["class"] });
+  }
+  on(model, "comm_live_update", () => setTimeout(check), signal);
+  signal.addEventListener("abort", () => observer.disconnect());
+  return { isLive: () => isLive };
+}
+
+/** What to say when the kernel has gone. @type {import("../panel/autosave.js").Notice} */
+export const GONE_NOTICE = {
+  key: "gone",
+  text: "The kernel is gone: looking works, editing doesn't. Run the cell again.",
+  actions: [],
+};
+
+/** What to say when the browser has taken the picture's graphics context away. @type {import("../panel/autosave.js").Notice} */
+export const ASIDE = {
+  key: "aside",
+  text: "The browser has put this picture aside, as it does when many 3D views are open.",
+  actions: [["Draw it again", "again"]],
+};
