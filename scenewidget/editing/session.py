@@ -2,6 +2,9 @@
 
 Goes in: a mesh and its segmentation. Comes out: the segmentation as a person corrected it, the log of what
 was done, and, once `Session.save` has named a file, every further edit on disk before the call returns.
+
+`Session` joins four things and adds a lock: the `History` of edits over a `Partition`, the `ProjectBinding`
+that brings the log to a file, the `Observers`, and the suggestions.
 """
 
 from __future__ import annotations
@@ -11,25 +14,26 @@ import os
 import threading
 import time
 import warnings
-import weakref
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from scenewidget.editing.edits import Cut, Edit, EditError, Merge, Relabel, Split
+from scenewidget.editing.edits import Cut, Edit, Merge, Relabel, Split
 from scenewidget.editing.files import checked_path
-from scenewidget.editing.fingerprint import fingerprint, living_mesh
-from scenewidget.editing.partition import Change, Partition
-from scenewidget.editing.project import Operation, Project, ProjectError, read_log
+from scenewidget.editing.fingerprint import fingerprint
+from scenewidget.editing.history import History, Step, apply_edits, operation_table
+from scenewidget.editing.observers import Event, EventKind, Observers
+from scenewidget.editing.project import Operation, Project, read_log
+from scenewidget.editing.project_binding import ProjectBinding, mesh_of_project
+from scenewidget.editing.snapshot import Snapshot
 from scenewidget.editing.store import ProjectFile
 from scenewidget.editing.suggestions import Dismissal, Suggestion, suggest
 from scenewidget.editing.vocabulary import NYU40, chosen_vocabulary
 from scenewidget.engine.atoms import Atoms
 from scenewidget.engine.checks import checked_whole
-from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, MeshError, load_mesh
+from scenewidget.engine.mesh import BoolArray, IntArray, Mesh, load_mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Level, Segmentation
 
@@ -37,119 +41,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 __all__ = ["Event", "Session", "Snapshot", "Step", "apply_edits"]
-
-EventKind = Literal["edit", "undo", "redo", "segmentation", "vocabulary", "file"]
-
-
-@dataclass(frozen=True)
-class Step:
-    """One edit of the history.
-
-    Attributes
-    ----------
-    edit : Merge, Split, Relabel or Cut
-    time : float
-        Seconds since 1970 (UTC) when it was made.
-    problem : str
-        Why it doesn't apply to the present segmentation; "" if it does.
-    n_faces : int
-        Faces that it moved.
-    """
-
-    edit: Edit
-    time: float
-    problem: str = ""
-    n_faces: int = 0
-
-    @property
-    def title(self) -> str:
-        """What a history shows: "Merge 3 parts", "Name 'chair'"."""
-        return self.edit.title
-
-
-@dataclass(frozen=True, eq=False)
-class Snapshot:
-    """A session at one moment, as tables over atoms: all that a view needs, small at any number of faces.
-
-    Attributes
-    ----------
-    revision : int
-    automatic : Segmentation
-        What the edits start from; its levels are the parts to point at.
-    atoms : Atoms
-    parts : dict of level to (n_atoms,) int
-    labels : (n_atoms,) int32
-        As in `Session.segmentation`, -1 unlabeled.
-    ids : (n_segments,) int
-        What stays of each segment over edits, while labels are numbered by area after each.
-    names : tuple of str
-        By label, "" where a segment has none.
-    confidence : (n_segments,) float64
-        Mean over the area; 1 where a person decided.
-    atom_confidence : (n_atoms,) float64
-    """
-
-    revision: int
-    automatic: Segmentation
-    atoms: Atoms
-    parts: dict[str, IntArray]
-    labels: IntArray
-    ids: IntArray
-    names: tuple[str, ...]
-    confidence: FloatArray
-    atom_confidence: FloatArray
-
-
-@dataclass(frozen=True)
-class Event:
-    """What observers of a session are told.
-
-    Attributes
-    ----------
-    kind : str
-        "edit", "undo", "redo", "segmentation" (another one underneath), "vocabulary", or "file" (saved,
-        opened, closed, or trouble with the file).
-    step : Step or None
-        The edit in question.
-    revision : int
-        Grows with every event: of two events the larger one tells of the newer state.
-    """
-
-    kind: EventKind
-    step: Step | None
-    revision: int
-
-
-def apply_edits(segmentation: Segmentation, edits: Iterable[Edit]) -> Segmentation:
-    """The segmentation after some edits, in their order.
-
-    Parameters
-    ----------
-    segmentation : Segmentation
-    edits : iterable of Merge, Split, Relabel, Cut
-
-    Returns
-    -------
-    Segmentation
-        ``report["edits that do not apply"]`` lists those that can't be done on this segmentation, as
-        (position, edit, reason); a warning says so too.
-    """
-    partition = Partition(segmentation)
-    skipped: list[tuple[int, Edit, str]] = []
-    for position, edit in enumerate(edits):
-        try:
-            partition.apply(edit)
-        except EditError as error:
-            skipped.append((position, edit, str(error)))
-    result = partition.segmentation()
-    if not skipped:
-        return result
-    warnings.warn(
-        f"{len(skipped)} edits do not apply to this segmentation; report['edits that do not apply'] lists "
-        f"them. The first: {skipped[0][2]}",
-        stacklevel=2,
-    )
-    return dataclasses.replace(result, report={**result.report, "edits that do not apply": tuple(skipped)})
 
 
 class Session:
@@ -190,25 +81,19 @@ class Session:
         self._params = params
         self._vocabulary = chosen_vocabulary(vocabulary)
         self._lock = threading.RLock()
-        self._partition = Partition(_of_mesh(segmentation, self.mesh))
-        self._done: list[tuple[Step, Change | None]] = []
-        self._undone: list[Edit] = []
-        self._operations: list[Operation] = [Operation(time.time(), "open")]
+        self._history = History(_of_mesh(segmentation, self.mesh))
+        operations = [Operation(time.time(), "open")]
         if self._vocabulary != NYU40:
-            self._operations.append(Operation(time.time(), "vocabulary", names=self._vocabulary))
-        self._current: Segmentation | None = None
+            operations.append(Operation(time.time(), "vocabulary", names=self._vocabulary))
+        self._binding = ProjectBinding(operations, self._taken_over)
+        self._observers = Observers()
         self._revision = 0
         self._dismissed: list[Dismissal] = []
-        self._observers: list[Callable[[Event], None]] = []
-        self._file: ProjectFile | None = None
-        self._n_durable = 0
-        self._file_problem = ""
-        self._must_renew = False  # whether the file lacks another automatic segmentation
 
     def __repr__(self) -> str:
         place = f", {self.path.name!r}" if self.path is not None else ""
         return (
-            f"Session({self.mesh.n_faces} faces, {self.n_segments} segments, {len(self._done)} edits{place})"
+            f"Session({self.mesh.n_faces} faces, {self.n_segments} segments, {len(self.edits)} edits{place})"
         )
 
     # --- editing ----------------------------------------------------------------------------------
@@ -288,7 +173,7 @@ class Session:
             The faces are in different segments.
         """
         with self._lock:
-            faces, cut = self._partition.divide(Cut(face_a, face_b))
+            faces, cut = self._history.partition.divide(Cut(face_a, face_b))
         return faces[cut.is_b]
 
     def do(self, edit: Edit) -> Step:
@@ -297,11 +182,8 @@ class Session:
             raise TypeError(f"edit must be a Merge, Split, Relabel or Cut, got {type(edit).__name__}")
         with self._lock:
             now = time.time()
-            change = self._partition.apply(edit)
-            step = Step(edit, now, n_faces=change.n_faces)
-            self._done.append((step, change))
-            self._undone.clear()
-            self._log(Operation(now, "edit", edit=edit, cut=change.cut))
+            step, cut = self._history.do(edit, now)
+            self._log(Operation(now, "edit", edit=edit, cut=cut))
             event = self._event("edit", step)
         self._tell(event)
         return step
@@ -336,11 +218,12 @@ class Session:
         """Undo or redo until ``n_edits`` edits are done: walk the history."""
         n_edits = checked_whole("n_edits", n_edits)
         with self._lock:
-            most = len(self._done) + len(self._undone)
+            done, undone = len(self._history.steps), len(self._history.undone)
+            most = done + undone
             if not 0 <= n_edits <= most:
                 raise ValueError(f"n_edits must lie in 0..{most}, got {n_edits}")
-            events = [self._undo()[1] for _ in range(len(self._done) - n_edits)]
-            events += [self._redo()[1] for _ in range(n_edits - len(self._done))]
+            events = [self._undo()[1] for _ in range(done - n_edits)]
+            events += [self._redo()[1] for _ in range(n_edits - done)]
         for event in events:
             self._tell(event)
 
@@ -362,15 +245,10 @@ class Session:
         _check_segmentation(segmentation)
         _check_params(params)
         with self._lock:
-            partition = Partition(_of_mesh(segmentation, self.mesh), self._partition.known_cuts)
-            self._partition, self._params = partition, params
+            self._history.start_from(_of_mesh(segmentation, self.mesh))
+            self._params = params
             self._dismissed.clear()
-            done = [step for step, _ in self._done]
-            self._done = []
-            for step in done:
-                self._replay(step.edit, step.time)
-            operation = Operation(time.time(), "segmentation")
-            self._log(operation, renew=True)
+            self._log(Operation(time.time(), "segmentation"), renew=True)
             event = self._event("segmentation", None)
             problems = tuple(step for step in self.history if step.problem)
         self._tell(event)
@@ -382,32 +260,18 @@ class Session:
     def segmentation(self) -> Segmentation:
         """The segmentation as it is now; made on first use after an edit (0.03 s at a million faces)."""
         with self._lock:
-            if self._current is None:
-                self._current = self._partition.segmentation()
-            return self._current
+            return self._history.segmentation
 
     def snapshot(self) -> Snapshot:
         """The present state for a view; costs about 1 ms, however many faces there are."""
         with self._lock:
-            partition = self._partition
-            numbering = partition.numbering()
-            return Snapshot(
-                self._revision,
-                partition.automatic,
-                partition.atoms,
-                partition.parts,
-                numbering.labels,
-                numbering.ids,
-                numbering.names,
-                numbering.confidence,
-                numbering.atom_confidence,
-            )
+            return Snapshot.of(self._history.partition, self._revision)
 
     @property
     def automatic(self) -> Segmentation:
         """The segmentation that the edits start from."""
         with self._lock:
-            return self._partition.automatic
+            return self._history.partition.automatic
 
     @property
     def params(self) -> Params | None:
@@ -418,36 +282,36 @@ class Session:
     def n_segments(self) -> int:
         """Number of segments now."""
         with self._lock:
-            segment = self._partition.segment
+            segment = self._history.partition.segment
             return int(np.count_nonzero(np.bincount(segment[segment >= 0])))
 
     @property
     def edits(self) -> list[Edit]:
         """The edits done so far, oldest first, those that don't apply included."""
         with self._lock:
-            return [step.edit for step, _ in self._done]
+            return [step.edit for step in self._history.steps]
 
     @property
     def history(self) -> tuple[Step, ...]:
         """The edits done so far with their times and titles, oldest first."""
         with self._lock:
-            return tuple(step for step, _ in self._done)
+            return self._history.steps
 
     @property
     def undone(self) -> tuple[Edit, ...]:
         """What `redo` would do, next one first."""
         with self._lock:
-            return tuple(reversed(self._undone))
+            return self._history.undone
 
     @property
     def can_undo(self) -> bool:
         """Whether there is an edit to take back."""
-        return bool(self._done)
+        return bool(self._history.steps)
 
     @property
     def can_redo(self) -> bool:
         """Whether there is an edit to do again."""
-        return bool(self._undone)
+        return bool(self._history.undone)
 
     @property
     def revision(self) -> int:
@@ -472,7 +336,7 @@ class Session:
     def atoms(self) -> Atoms:
         """Pieces that edits move whole; another object after a cut made them finer."""
         with self._lock:
-            return self._partition.atoms
+            return self._history.partition.atoms
 
     @property
     def atom_segments(self) -> IntArray:
@@ -482,13 +346,13 @@ class Session:
         that colours by them keeps its colours. Costs next to nothing, however many faces there are.
         """
         with self._lock:
-            return self._partition.segment.copy()
+            return self._history.partition.segment.copy()
 
     @property
     def segment_names(self) -> dict[int, str]:
         """Names by the ids of `atom_segments`; segments without a name are left out."""
         with self._lock:
-            return dict(self._partition.names)
+            return dict(self._history.partition.names)
 
     def part(self, face: int, level: Level, *, action: Literal["merge", "split"] = "merge") -> BoolArray:
         """(n_atoms,) the atoms that an edit at a face would move; to preview it.
@@ -510,7 +374,7 @@ class Session:
             raise ValueError(f"action must be 'merge' or 'split', got {action!r:.200}")
         there = Split(face, level)
         with self._lock:
-            return self._partition.part(there.face, there.level, action=action)
+            return self._history.partition.part(there.face, there.level, action=action)
 
     def suggestions(self, n: int = 10) -> list[Suggestion]:
         """The merges and splits that are most worth looking at, the largest expected gain first.
@@ -532,9 +396,9 @@ class Session:
         if isinstance(n, bool) or not hasattr(n, "__index__") or int(n) < 0:
             raise ValueError(f"n must be a whole number from 0, got {n!r:.200}")
         with self._lock:
-            if self._partition.automatic.keys is None:
+            if self._history.partition.automatic.keys is None:
                 return []
-            return suggest(self._partition, int(n), self._dismissed)
+            return suggest(self._history.partition, int(n), self._dismissed)
 
     def dismiss(self, suggestion: Suggestion) -> None:
         """No longer make a ``suggestion``, in either direction.
@@ -550,86 +414,51 @@ class Session:
         if not isinstance(suggestion, Suggestion):
             raise TypeError(f"suggestion must be one of suggestions(), got {type(suggestion).__name__}")
         with self._lock:
-            self._dismissed.append(Dismissal.of(self._partition, suggestion))
+            self._dismissed.append(Dismissal.of(self._history.partition, suggestion))
 
     def observe(self, callback: Callable[[Event], None]) -> Callable[[], None]:
         """Call ``callback(event)`` after every change; returns what ends that.
 
         It is called in the thread that made the change, after the change is complete.
         """
-        if not callable(callback):
-            raise TypeError(f"callback must be callable as callback(event), got {type(callback).__name__}")
-        with self._lock:
-            self._observers.append(callback)
-
-        def stop() -> None:
-            with self._lock:
-                if callback in self._observers:
-                    self._observers.remove(callback)
-
-        return stop
+        return self._observers.add(callback)
 
     def to_frame(self) -> pd.DataFrame:
         """A row an operation: time (UTC), seconds since the one before, action, edit, faces, level, name.
 
         For studies of how long work takes; nothing leaves the computer.
         """
-        import pandas as pd
-
         with self._lock:
-            operations = list(self._operations)
-        rows = []
-        for operation in operations:
-            edit = operation.edit
-            faces: tuple[int, ...] = ()
-            if isinstance(edit, Merge):
-                faces = (*edit.faces, edit.onto_face)
-            elif isinstance(edit, Cut):
-                faces = (edit.face_a, edit.face_b)
-            elif edit is not None:
-                faces = (edit.face,)
-            rows.append(
-                {
-                    "time": pd.Timestamp(operation.time, unit="s", tz="UTC"),
-                    "action": operation.action,
-                    "edit": "" if edit is None else type(edit).__name__.lower(),
-                    "faces": faces,
-                    "level": getattr(edit, "level", ""),
-                    "name": getattr(edit, "name", ""),
-                }
-            )
-        frame = pd.DataFrame(rows)
-        frame.insert(1, "seconds", frame["time"].diff().dt.total_seconds().fillna(0.0))
-        return frame
+            operations = list(self._binding.operations)
+        return operation_table(operations)
 
     # --- the project file -------------------------------------------------------------------------
 
     @property
     def path(self) -> Path | None:
         """The project file, None before `save`."""
-        return None if self._file is None else self._file.path
+        return self._binding.path
 
     @property
     def read_only(self) -> bool:
         """Whether the file belongs to somebody else: edits stay in memory."""
-        return self._file is not None and self._file.read_only
+        return self._binding.read_only
 
     @property
     def file_reason(self) -> str:
         """Why the file can't be written: who works on it, no permission; "" if it can."""
-        return "" if self._file is None else self._file.read_only_reason
+        return self._binding.reason
 
     @property
     def is_saved(self) -> bool:
         """Whether every operation is on disk."""
         with self._lock:
-            is_complete = self._n_durable == len(self._operations)
-            return self._file is not None and is_complete and not self._file_problem
+            return self._binding.is_saved
 
     @property
     def file_problem(self) -> str:
         """Why the last operation is not on disk: disk full, read-only; "" if all is well."""
-        return self._file_problem
+        return self._binding.problem
 
     def save(
         self,
@@ -666,25 +495,8 @@ class Session:
             file, if there was one, is untouched, and edits stay in memory.
         """
         with self._lock:
-            if path is None and self._file is None:
-                raise ValueError("the session has no file yet: save('room.swproj')")
-            target = self._file.path if path is None and self._file is not None else checked_path(path)
-            same = self._file is not None and self._file.is_at(target)
-            if same and self._file is not None and not self._file.read_only and not include_mesh:
-                self._flush()
-                if self._file_problem:
-                    raise OSError(self._file_problem)
-                self._file.checkpoint()
-            else:
-                file = ProjectFile.write(
-                    target, self._project(include_mesh), replaces=self._file, overwrite=overwrite
-                )
-                if self._file is not None and self._file is not file:
-                    self._file.close()
-                self._file, self._n_durable, self._file_problem = file, len(self._operations), ""
-                file.on_takeover = weakref.WeakMethod(self._taken_over)
+            written = self._binding.save(path, self._project, include_mesh=include_mesh, overwrite=overwrite)
             event = self._event("file", None)
-            written = self._file.path
         self._tell(event)
         return written
 
@@ -720,24 +532,11 @@ class Session:
         file = ProjectFile.open(checked_path(path))
         try:
             project = file.load(recover=recover)
-            if mesh is not None:
-                mesh = load_mesh(mesh)
-                source = mesh.source
-                if fingerprint(mesh) != project.fingerprint:
-                    raise ProjectError(
-                        f"{file.path.name!r} belongs to another mesh: it was made on one of "
-                        f"{project.fingerprint}, but the mesh given has {fingerprint(mesh)}"
-                    )
-            else:
-                mesh, source = _find_mesh(project, file.path)
-            session = cls._from_project(project, mesh, source or project.source)
-            session._file = file
-            session._n_durable = len(session._operations)
+            found, source = mesh_of_project(project, file.path, mesh)
+            session = cls._from_project(project, found, source)
+            session._binding.bind(file)
             if recover and project.n_lost and not file.read_only:
-                session._file = ProjectFile.write(
-                    file.path, session._project(project.mesh is not None), replaces=file
-                )
-            session._file.on_takeover = weakref.WeakMethod(session._taken_over)
+                session._binding.rewrite(session._project(project.mesh is not None))
             session._log(Operation(time.time(), "open"))
         except BaseException:
             file.close()
@@ -753,9 +552,7 @@ class Session:
     def close(self) -> None:
         """Let go of the project file; the session goes on in memory."""
         with self._lock:
-            if self._file is not None:
-                self._file.close()
-            self._file, self._n_durable, self._file_problem = None, 0, ""
+            self._binding.close()
             event = self._event("file", None)
         self._tell(event)
 
@@ -774,85 +571,44 @@ class Session:
             mesh, project.segmentation(mesh), params=project.params, vocabulary=log.vocabulary or NYU40
         )
         session._source = source
-        session._partition.known_cuts.update(log.cuts)
-        for edit, when in log.done:
-            session._replay(edit, when)
-        session._undone = list(log.undone)
-        session._operations = list(project.operations)
-        session._current = None
+        session._history.resume(log)
+        session._binding.operations = list(project.operations)
         return session
 
     def _project(self, include_mesh: bool) -> Project:
+        """All that a file of this session holds now."""
         return Project.of(
-            self._partition.automatic,
+            self._history.partition.automatic,
             fingerprint=fingerprint(self.mesh),
             mesh=self.mesh if include_mesh else None,
             source=self._source,
             params=self._params,
-            operations=tuple(self._operations),
+            operations=tuple(self._binding.operations),
         )
 
     def _undo(self) -> tuple[Step, Event]:
-        if not self._done:
-            raise EditError("there is nothing to undo")
-        step, change = self._done.pop()
-        if change is not None:
-            self._partition.revert(change)
-        self._undone.append(step.edit)
+        step = self._history.undo()
         self._log(Operation(time.time(), "undo"))
         return step, self._event("undo", step)
 
     def _redo(self) -> tuple[Step, Event]:
-        if not self._undone:
-            raise EditError("there is nothing to redo")
         now = time.time()
-        step = self._replay(self._undone.pop(), now)
+        step = self._history.redo(now)
         self._log(Operation(now, "redo"))
         return step, self._event("redo", step)
 
-    def _replay(self, edit: Edit, when: float) -> Step:
-        try:
-            change = self._partition.apply(edit)
-        except EditError as error:
-            self._done.append((Step(edit, when, problem=str(error)), None))
-        else:
-            self._done.append((Step(edit, when, n_faces=change.n_faces), change))
-        return self._done[-1][0]
-
     def _log(self, operation: Operation, *, renew: bool = False) -> None:
-        self._operations.append(operation)
-        self._flush(renew=renew)
-
-    def _flush(self, *, renew: bool = False) -> None:
-        """Bring what is not yet on disk to the disk; trouble is told, not raised: the edit is done."""
-        if self._file is None or self._file.read_only:
-            return
-        try:
-            self._file.append(
-                self._operations[self._n_durable :],
-                self._project(False) if renew or self._must_renew else None,
-            )
-        except OSError as error:
-            self._must_renew = self._must_renew or renew
-            if str(error) != self._file_problem:
-                warnings.warn(f"{error}. The edit is done, but only in memory", stacklevel=5)
-            self._file_problem = str(error)
-        else:
-            self._n_durable, self._file_problem, self._must_renew = len(self._operations), "", False
+        self._binding.append(operation, self._project, renew=renew)
 
     def _taken_over(self) -> None:
-        self._file_problem = "a newer session has taken the file over"
         self._tell(self._event("file", None))
 
     def _event(self, kind: EventKind, step: Step | None) -> Event:
         self._revision += 1
-        if kind not in ("file", "vocabulary"):
-            self._current = None
         return Event(kind, step, self._revision)
 
     def _tell(self, event: Event) -> None:
-        for callback in list(self._observers):
-            callback(event)
+        self._observers.tell(event)
 
 
 def _check_segmentation(segmentation: Any) -> None:
@@ -875,28 +631,3 @@ def _of_mesh(segmentation: Segmentation, mesh: Mesh) -> Segmentation:
     if theirs != ours:
         raise ValueError(f"segmentation is of another mesh: of one with {theirs}, but mesh has {ours}")
     return dataclasses.replace(segmentation, mesh=mesh)
-
-
-def _find_mesh(project: Project, path: Path) -> tuple[Mesh, str]:
-    if project.mesh is not None:
-        return project.mesh, ""
-    living = living_mesh(project.fingerprint)
-    if living is not None:
-        return living, ""
-    how = f"give it: Session.open({path.name!r}, mesh='scan.ply')"
-    if not project.source:
-        raise ProjectError(f"{path.name!r} does not hold the mesh ({project.fingerprint}); {how}")
-    for place in (path.parent / Path(project.source).name, Path(project.source)):
-        # a network path of a file from somebody else could send credentials to a stranger
-        if str(place).startswith(("\\\\", "//")) or not place.is_file():
-            continue
-        try:
-            mesh = load_mesh(place)
-        except (MeshError, OSError):
-            continue
-        if fingerprint(mesh) == project.fingerprint:
-            return mesh, str(place)
-    raise ProjectError(
-        f"{path.name!r} does not hold the mesh ({project.fingerprint}), and {project.source!r} is not there "
-        f"any more or another one; {how}"
-    )

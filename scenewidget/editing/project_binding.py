@@ -1,0 +1,195 @@
+"""The log of a session and the project file that it is kept in, once there is one.
+
+Goes in: operations, one at a time. Comes out: each of them on the disk before `append` returns, or the
+reason why not. How a file looks inside is the matter of `scenewidget.editing.store` and `schema`.
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+import weakref
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from scenewidget.editing.files import checked_path
+from scenewidget.editing.fingerprint import fingerprint, living_mesh
+from scenewidget.editing.project import Operation, Project, ProjectError
+from scenewidget.editing.store import ProjectFile
+from scenewidget.engine.mesh import Mesh, MeshError, load_mesh
+
+__all__ = ["ProjectBinding", "mesh_of_project"]
+
+
+class ProjectBinding:
+    """Keeps the log of a session, in memory at first and in a file once there is one.
+
+    The session's lock guards it. What belongs into the file beside the log comes from the session when it is
+    wanted, as ``make_project(include_mesh)``.
+
+    Parameters
+    ----------
+    operations : iterable of Operation
+        The log so far.
+    on_takeover : method of no argument
+        Called when another session of this process has taken the file over. Held weakly.
+
+    Attributes
+    ----------
+    operations : list of Operation
+    problem : str
+        Why the last operation is not on the disk; "" if all is well.
+    """
+
+    def __init__(self, operations: Iterable[Operation], on_takeover: Callable[[], None]) -> None:
+        self.operations = list(operations)
+        self.problem = ""
+        self._on_takeover = weakref.WeakMethod(on_takeover)
+        self._file: ProjectFile | None = None
+        self._n_durable = 0  # operations that are on the disk
+        self._must_renew = False  # whether the file lacks another automatic segmentation
+
+    @property
+    def path(self) -> Path | None:
+        """The file; None before there is one."""
+        return None if self._file is None else self._file.path
+
+    @property
+    def read_only(self) -> bool:
+        """Whether the file belongs to somebody else: operations stay in memory."""
+        return self._file is not None and self._file.read_only
+
+    @property
+    def reason(self) -> str:
+        """Why the file can't be written; "" if it can."""
+        return "" if self._file is None else self._file.read_only_reason
+
+    @property
+    def is_saved(self) -> bool:
+        """Whether every operation is on the disk."""
+        is_complete = self._n_durable == len(self.operations)
+        return self._file is not None and is_complete and not self.problem
+
+    def append(
+        self, operation: Operation, make_project: Callable[[bool], Project], *, renew: bool = False
+    ) -> None:
+        """Log an operation; ``renew`` if another automatic segmentation belongs into the file with it.
+
+        Trouble with the file is told by a warning and by `problem`, not raised: the edit is done.
+        """
+        self.operations.append(operation)
+        self._flush(make_project, renew=renew)
+
+    def bind(self, file: ProjectFile) -> None:
+        """From now on the log is kept in this file, which holds all of it already."""
+        if self._file is not None and self._file is not file:
+            self._file.close()
+        self._file, self._n_durable, self.problem = file, len(self.operations), ""
+        file.on_takeover = weakref.WeakMethod(self._lose_file)
+
+    def save(
+        self,
+        path: str | os.PathLike[str] | None,
+        make_project: Callable[[bool], Project],
+        *,
+        include_mesh: bool,
+        overwrite: bool,
+    ) -> Path:
+        """Write everything; see `Session.save`."""
+        if path is None and self._file is None:
+            raise ValueError("the session has no file yet: save('room.swproj')")
+        target = self._file.path if path is None and self._file is not None else checked_path(path)
+        same = self._file is not None and self._file.is_at(target)
+        if same and self._file is not None and not self._file.read_only and not include_mesh:
+            self._flush(make_project)
+            if self.problem:
+                raise OSError(self.problem)
+            self._file.checkpoint()
+            return self._file.path
+        file = ProjectFile.write(target, make_project(include_mesh), replaces=self._file, overwrite=overwrite)
+        self.bind(file)
+        return file.path
+
+    def rewrite(self, project: Project) -> None:
+        """Write the file anew with this content, as after a recovery."""
+        if self._file is not None:
+            self.bind(ProjectFile.write(self._file.path, project, replaces=self._file))
+
+    def close(self) -> None:
+        """Let go of the file; the log goes on in memory."""
+        if self._file is not None:
+            self._file.close()
+        self._file, self._n_durable, self.problem = None, 0, ""
+
+    def _flush(self, make_project: Callable[[bool], Project], *, renew: bool = False) -> None:
+        """Bring to the disk what is not there yet."""
+        if self._file is None or self._file.read_only:
+            return
+        try:
+            self._file.append(
+                self.operations[self._n_durable :],
+                make_project(False) if renew or self._must_renew else None,
+            )
+        except OSError as error:
+            self._must_renew = self._must_renew or renew
+            if str(error) != self.problem:
+                warnings.warn(f"{error}. The edit is done, but only in memory", stacklevel=6)
+            self.problem = str(error)
+        else:
+            self._n_durable, self.problem, self._must_renew = len(self.operations), "", False
+
+    def _lose_file(self) -> None:
+        self.problem = "a newer session has taken the file over"
+        tell = self._on_takeover()
+        if tell is not None:
+            tell()
+
+
+def mesh_of_project(project: Project, path: Path, mesh: Mesh | Any | None = None) -> tuple[Mesh, str]:
+    """The mesh of a project and where it was loaded from.
+
+    Parameters
+    ----------
+    project : Project
+    path : Path
+        Of the project file: the mesh may lie beside it.
+    mesh : Mesh, path, …, optional
+        The mesh that a person gives. Without it: the one in the file, or the one that this process has
+        loaded already, or the file that it was loaded from, whichever has the right fingerprint.
+
+    Raises
+    ------
+    ProjectError
+        The mesh given is another one, or none is to be found.
+    """
+    if mesh is not None:
+        given = load_mesh(mesh)
+        if fingerprint(given) != project.fingerprint:
+            raise ProjectError(
+                f"{path.name!r} belongs to another mesh: it was made on one of "
+                f"{project.fingerprint}, but the mesh given has {fingerprint(given)}"
+            )
+        return given, given.source or project.source
+    if project.mesh is not None:
+        return project.mesh, project.source
+    living = living_mesh(project.fingerprint)
+    if living is not None:
+        return living, project.source
+    how = f"give it: Session.open({path.name!r}, mesh='scan.ply')"
+    if not project.source:
+        raise ProjectError(f"{path.name!r} does not hold the mesh ({project.fingerprint}); {how}")
+    for place in (path.parent / Path(project.source).name, Path(project.source)):
+        # a network path of a file from somebody else could send credentials to a stranger
+        if str(place).startswith(("\\\\", "//")) or not place.is_file():
+            continue
+        try:
+            found = load_mesh(place)
+        except (MeshError, OSError):
+            continue
+        if fingerprint(found) == project.fingerprint:
+            return found, str(place)
+    raise ProjectError(
+        f"{path.name!r} does not hold the mesh ({project.fingerprint}), and {project.source!r} is not there "
+        f"any more or another one; {how}"
+    )
