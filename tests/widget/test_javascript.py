@@ -65,5 +65,7 @@ def test_pure_modules_import_no_page_and_no_webgl():
     for path in pure:
         source = path.read_text(encoding="utf-8")
         assert "document" not in source, path.name
-    users = [path.name for path in (JS / "src").rglob("*.js") if '"three"' in path.read_text(encoding="utf-8")]
+    users = [
+        path.name for path in (JS / "src").rglob("*.js") if '"three"' in path.read_text(encoding="utf-8")
+    ]
     assert users == ["renderer.js"]

@@ -1,0 +1,98 @@
+"""Only permissive licences come in: of every package that an installation with all extras brings along."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import re
+from email.message import Message
+
+import pytest
+from packaging.requirements import Requirement
+
+EXTRAS = ("lab", "test", "robust")
+FORBIDDEN = re.compile(
+    r"\bA?L?GPL|GNU (Affero |Lesser |Library )?General Public|non-?commercial|\bCC[- ]BY[- ]NC|SSPL|BUSL",
+    re.IGNORECASE,
+)
+ALLOWED = re.compile(
+    r"\bMIT|BSD|Apache|\bISC\b|ISCL|Python Software Foundation|\bPSF|MPL[- ]2|Mozilla Public License 2"
+    r"|Zlib|CC0|HPND|Unlicense|Kiwi|matplotlib",
+    re.IGNORECASE,
+)
+
+
+def licence(metadata: Message) -> str:
+    """What a package says of its licence: the expression, the classifiers, the opening of the text."""
+    classifiers = [c for c in metadata.get_all("Classifier", []) if c.startswith("License ::")]
+    expression = metadata.get("License-Expression")
+    return " | ".join([expression or (metadata.get("License") or "")[:400], *classifiers])
+
+
+def is_permissive(text: str) -> bool:
+    return bool(ALLOWED.search(text)) and not FORBIDDEN.search(text)
+
+
+def packages() -> dict[str, Message]:
+    """Everything installed that scenewidget with its extras needs, directly or through others."""
+    found: dict[str, Message] = {}
+    seen: set[tuple[str, tuple[str, ...]]] = set()
+    queue: list[tuple[str, tuple[str, ...]]] = [("scenewidget", EXTRAS)]
+    while queue:
+        name, extras = queue.pop()
+        if (name.lower(), extras) in seen:
+            continue
+        seen.add((name.lower(), extras))
+        try:
+            distribution = importlib.metadata.distribution(name)
+        except importlib.metadata.PackageNotFoundError:
+            continue  # an extra that isn't installed here
+        found[name.lower()] = distribution.metadata
+        for text in distribution.requires or ():
+            wanted = Requirement(text)
+            if wanted.marker is None or any(wanted.marker.evaluate({"extra": e}) for e in ("", *extras)):
+                queue.append((wanted.name, tuple(sorted(wanted.extras))))
+    return found
+
+
+def test_every_package_that_comes_along_is_permissive():
+    found = packages()
+    assert {"numpy", "numba", "anywidget", "trimesh"} <= set(found)
+    refused = {name: licence(data) for name, data in found.items() if not is_permissive(licence(data))}
+    assert refused == {}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "GNU GENERAL PUBLIC LICENSE Version 3",
+        "LGPL-2.1-or-later",
+        "License :: OSI Approved :: GNU Lesser General Public License v3 (LGPLv3)",
+        "AGPL-3.0-only",
+        "MIT AND GPL-3.0-or-later",
+        "CC-BY-NC-4.0",
+        "free for non-commercial use",
+        "",
+    ],
+)
+def test_what_is_not_permissive_or_says_nothing_is_refused(text):
+    assert not is_permissive(text)
+
+
+@pytest.mark.parametrize("text", ["BSD-3-Clause", "MPL-2.0", "MIT License", "Apache-2.0 AND ISC", "PSF-2.0"])
+def test_permissive_licences_pass(text):
+    assert is_permissive(text)
+
+
+def test_of_libigl_only_the_core_is_imported():
+    """igl.copyleft and what it wraps are GPL; the core is MPL 2."""
+    from pathlib import Path
+
+    import scenewidget
+
+    for path in Path(scenewidget.__file__).parent.rglob("*.py"):
+        for line in path.read_text(encoding="utf-8").splitlines():
+            words = line.split()
+            if words[:1] in (["import"], ["from"]) and any(w.startswith("igl") for w in words):
+                assert line.strip() == "import igl", f"{path.name}: {line.strip()}"
+            assert "igl.copyleft" not in line, path.name
+            assert "igl.triangle" not in line, path.name
