@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import importlib.metadata
 import re
+import tomllib
 from email.message import Message
+from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
@@ -85,14 +87,20 @@ def test_permissive_licences_pass(text):
 
 def test_of_libigl_only_the_core_is_imported():
     """igl.copyleft and what it wraps are GPL; the core is MPL 2."""
-    from pathlib import Path
-
-    import scenewidget
-
-    for path in Path(scenewidget.__file__).parent.rglob("*.py"):
+    for path in (Path(__file__).parents[1] / "scenewidget").rglob("*.py"):
         for line in path.read_text(encoding="utf-8").splitlines():
             words = line.split()
             if words[:1] in (["import"], ["from"]) and any(w.startswith("igl") for w in words):
                 assert line.strip() == "import igl", f"{path.name}: {line.strip()}"
             assert "igl.copyleft" not in line, path.name
             assert "igl.triangle" not in line, path.name
+
+
+def test_every_dependency_stands_in_the_table_with_its_reason():
+    root = Path(__file__).parents[1]
+    wanted = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]["dependencies"]
+    table = (root / ".github" / "DEPENDENCIES.md").read_text(encoding="utf-8")
+    rows = [line.split(" | ") for line in table.splitlines() if line.startswith("| ")][1:]
+    reasons = {row[0].strip("| "): row[3].strip("| ") for row in rows}
+    assert set(reasons) == {Requirement(text).name for text in wanted}
+    assert all(reasons.values())
