@@ -44,10 +44,10 @@ if TYPE_CHECKING:
     from scenewidget.engine.pipeline import Pipeline, segment
     from scenewidget.engine.segmentation import Segmentation
     from scenewidget.evaluation import evaluate
+    from scenewidget.figures.spectral_explorer import SpectralExplorer
     from scenewidget.widget.compare import Compare
     from scenewidget.widget.scene_view import SceneView
     from scenewidget.widget.scene_widget import SceneWidget
-    from scenewidget.widget.spectral_explorer import SpectralExplorer
 
 _HOME = {  # public name -> module that defines it; resolved on first use, so that importing stays fast
     "Mesh": "engine.mesh",
@@ -65,7 +65,7 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "Compare": "widget.compare",
     "SceneView": "widget.scene_view",
     "SceneWidget": "widget.scene_widget",
-    "SpectralExplorer": "widget.spectral_explorer",
+    "SpectralExplorer": "figures.spectral_explorer",
 }
 _MODULES = ("baselines", "datasets", "editing", "engine", "figures", "metrics")
 

@@ -14,7 +14,7 @@ import os
 import threading
 import time
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -36,6 +36,7 @@ from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.mesh import BoolArray, IntArray, Mesh, load_mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Level, Segmentation
+from scenewidget.palette import keep_colors
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -89,6 +90,7 @@ class Session:
         self._observers = Observers()
         self._revision = 0
         self._dismissed: list[Dismissal] = []
+        self._rows_shown: dict[int, int] = {}
 
     def __repr__(self) -> str:
         place = f", {self.path.name!r}" if self.path is not None else ""
@@ -260,7 +262,11 @@ class Session:
     def segmentation(self) -> Segmentation:
         """The segmentation as it is now; made on first use after an edit (0.03 s at a million faces)."""
         with self._lock:
-            return self._history.segmentation
+            segmentation = self._history.segmentation
+            if self._rows_shown:
+                ids = self._history.partition.numbering().ids.tolist()
+                keep_colors(segmentation, np.array([self._rows_shown.get(i, -1) for i in ids], np.int64))
+            return segmentation
 
     def snapshot(self) -> Snapshot:
         """The present state for a view; costs about 1 ms, however many faces there are."""
@@ -422,6 +428,16 @@ class Session:
         It is called in the thread that made the change, after the change is complete.
         """
         return self._observers.add(callback)
+
+    def keep_colors(self, rows: Mapping[int, int]) -> None:
+        """Remember in which colours a view shows the segments: exported files have the same.
+
+        Parameters
+        ----------
+        rows : mapping of int to int
+            Row of the palette by the ids of `atom_segments`.
+        """
+        self._rows_shown = dict(rows)
 
     def to_frame(self) -> pd.DataFrame:
         """A row an operation: time (UTC), seconds since the one before, action, edit, faces, level, name.

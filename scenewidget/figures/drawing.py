@@ -18,7 +18,7 @@ from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.preprocess import simplify
 from scenewidget.figures.scale import ColorArray, ColorScale, color_scale
 from scenewidget.figures.strokes import edge_segments, isoline_segments, markers, needles, ribbons
-from scenewidget.widget.palette import adjacent_segments, choose_colors, palette
+from scenewidget.palette import label_rows, palette
 
 __all__ = [
     "Drawing",
@@ -27,12 +27,11 @@ __all__ = [
     "corner_normals",
     "draw",
     "label_colors",
-    "label_rows",
     "nearest_vertices",
 ]
 
 PLAIN = (205, 200, 190)
-UNLABELLED = (215, 215, 212)
+UNLABELED = (215, 215, 212)  # paler than on the screen, since figures stand on white pages
 INK = (45, 45, 50)
 ARROW = (200, 60, 30)
 MARK = (230, 50, 20)
@@ -264,16 +263,9 @@ def _corner_rows(mesh: Mesh, drawn: Mesh, source: IntArray, rows: FloatArray) ->
     return rows[source][:, None].repeat(3, axis=1)
 
 
-def label_rows(mesh: Mesh, labels: IntArray, known: IntArray | None = None) -> IntArray:
-    """A row of the palette for each label; ``known`` are those settled already, -1 where not."""
-    n_labels = int(labels.max(initial=-1)) + 1
-    shares = np.bincount(labels[labels >= 0], minlength=n_labels) / len(labels)
-    return choose_colors(n_labels, adjacent_segments(mesh.faces, labels, mesh.n_vertices), shares, known)
-
-
 def label_colors(labels: IntArray, rows: IntArray) -> ColorArray:
     """(n_faces, 3) colours of the palette; grey where a label is negative."""
-    table = np.concatenate([palette()[rows], [UNLABELLED]])  # the last is for labels of -1
+    table = np.concatenate([palette()[rows], [UNLABELED]])  # the last is for labels of -1
     colors: ColorArray = table[labels].astype(np.uint8)
     return colors
 

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from scenewidget.engine.mesh import Mesh
-from scenewidget.figures.drawing import checked_labels, draw, label_colors, label_rows
+from scenewidget.figures.drawing import checked_labels, draw, label_colors
 from scenewidget.figures.orbit import Figure
-from scenewidget.widget.palette import inherited_colors
+from scenewidget.palette import inherited_colors, label_rows
 
 __all__ = ["compare", "show", "side_by_side"]
 

@@ -23,6 +23,7 @@ from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import LEVELS, Segmentation
 from scenewidget.evaluation import evaluate
 from scenewidget.metrics import quick_scores
+from scenewidget.palette import keep_colors
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scoring import Scorer, disagreement, score_rows
 from scenewidget.widget.settings import params_code
@@ -210,6 +211,7 @@ class Compare(widgets.VBox):
                 levels = {str(level): segmentation.level(level) for level in there}
                 names = {k: name for k, name in enumerate(segmentation.names) if name}
                 view.set_partition(levels, segmentation.labels, names, _mean_confidence(segmentation))
+            keep_colors(found[-1], view.color_rows)
             view.status, view.progress, view.busy = "", 1.0, False
 
     def _show_comparison(self, a: Segmentation, b: Segmentation, cancel: threading.Event) -> None:

@@ -201,6 +201,7 @@ class Editor:
                     atom_confidence=state.atom_confidence,
                     keeps_ids=state.automatic is self._shown_automatic,
                 )
+                session.keep_colors(dict(zip(state.ids.tolist(), view.color_rows.tolist(), strict=True)))
                 if state.automatic is not self._shown_automatic:
                     self._shown_automatic = state.automatic
                     self._first_revision = view.revision

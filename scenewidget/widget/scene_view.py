@@ -129,9 +129,7 @@ from scenewidget.engine.atoms import Atoms, common_refinement
 from scenewidget.engine.family import Family
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh
-from scenewidget.widget.bundle import bundled
-from scenewidget.widget.page import make_page
-from scenewidget.widget.palette import (
+from scenewidget.palette import (
     adjacent_segments,
     are_distinct,
     choose_colors,
@@ -139,6 +137,8 @@ from scenewidget.widget.palette import (
     inherited_colors,
     palette,
 )
+from scenewidget.widget.bundle import bundled
+from scenewidget.widget.page import make_page
 from scenewidget.widget.upright import AXES, checked_up, detect_up
 
 __all__ = ["SceneView"]
@@ -454,6 +454,11 @@ class SceneView(anywidget.AnyWidget):
             self.set_trait("n_segments", 0)
             self.set_trait("segment_names", {})
             self.set_trait("revision", self.revision + 1)
+
+    @property
+    def color_rows(self) -> IntArray:
+        """(n,) row of the palette of each segment by its number."""
+        return self._color_rows.copy()
 
     @property
     def segment_colors(self) -> npt.NDArray[np.uint8]:

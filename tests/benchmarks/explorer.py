@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import shapes
 
-from scenewidget.widget.spectral_explorer import SpectralExplorer
+from scenewidget.figures.spectral_explorer import SpectralExplorer
 
 KNOBS = (
     ("eigenfunction", "index", range(10, 25)),

@@ -7,6 +7,7 @@ import pytest
 import shapes
 
 import scenewidget as sw
+from scenewidget.palette import segment_colors
 from scenewidget.widget.scoring import disagreement
 
 MESH, TRUTH = shapes.room(10, noise=0.003)
@@ -39,6 +40,8 @@ def test_what_overlaps_has_one_colour(compare):
         partner = np.bincount(a.labels[mine & (a.labels >= 0)]).argmax()
         if np.mean(mine[a.labels == partner]) > 0.9:
             assert left.segment_colors[partner].tolist() == right.segment_colors[segment].tolist()
+    for segmentation, view in zip((a, b), compare.views, strict=True):  # in exported files as well
+        np.testing.assert_array_equal(segment_colors(segmentation)[:-1], view.segment_colors)
 
 
 def test_the_numbers_are_those_of_evaluate(compare):

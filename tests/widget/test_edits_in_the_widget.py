@@ -8,9 +8,9 @@ import shapes
 
 import scenewidget as sw
 from scenewidget.editing.partition import Partition
+from scenewidget.palette import adjacent_segments, segment_colors
 from scenewidget.widget.editor import Editor
 from scenewidget.widget.keeper import Keeper
-from scenewidget.widget.palette import adjacent_segments
 from scenewidget.widget.scene_view import SceneView
 
 SMALL = sw.Params(n_segments=6, n_runs=4, n_graph_runs=4)
@@ -65,6 +65,18 @@ def test_the_picture_shows_what_the_session_holds_after_any_walk(editor, mesh):
         confidence = expected.to_frame()["confidence"]
         np.testing.assert_allclose(shown(view, "segment_confidence", np.float32), confidence, rtol=1e-5)
     assert len(session.edits) > 10
+
+
+def test_files_have_the_colours_that_the_picture_shows_after_edits(editor, mesh):
+    view, session, rng = editor._view, editor.session, np.random.default_rng(1)
+    for k in range(24):
+        a, b = (int(face) for face in rng.integers(0, mesh.n_faces, 2))
+        kind = ("split", "merge", "merge", "undo")[k % 4]
+        level = ("dihedral", "dihedral", "base", "final")[k % 4]
+        message = {"kind": kind, "face": a, "onto_face": b, "level": level, "revision": view.revision}
+        editor.handle(message)
+        np.testing.assert_array_equal(segment_colors(session.segmentation)[:-1], view.segment_colors)
+    assert len(session.edits) > 5
 
 
 def test_neighbours_out_of_atoms_are_those_of_the_faces(editor, mesh):

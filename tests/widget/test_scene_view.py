@@ -15,13 +15,6 @@ from shapes import box, grid_square
 from scenewidget.engine.atoms import common_refinement
 from scenewidget.engine.mesh import Mesh
 from scenewidget.widget import bundle
-from scenewidget.widget.palette import (
-    _differences,
-    adjacent_segments,
-    choose_colors,
-    inherited_colors,
-    palette,
-)
 from scenewidget.widget.scene_view import UNLABELLED, SceneView
 
 
@@ -267,42 +260,6 @@ def test_names_must_be_of_segments_and_a_family_must_be_one(view, quarters):
     assert view.revision == 0
     with pytest.raises(TypeError, match="family must be a Family or None, got int"):
         view.set_family(3)
-
-
-# --- colours ---
-
-
-def test_segments_that_touch_look_different_to_everyone():
-    mesh = grid_square(30)
-    center = mesh.face_centroids
-    labels = (6 * np.floor(6 * center[:, 0]) + np.floor(6 * center[:, 1])).astype(int)
-    pairs = adjacent_segments(mesh.faces, labels, mesh.n_vertices)
-    shares = np.bincount(labels) / len(labels)
-    colors = choose_colors(36, pairs, shares)
-    assert _differences()[colors[pairs[:, 0]], colors[pairs[:, 1]]].min() > 0.07
-    assert len(set(colors.tolist())) > 30
-
-
-def test_adjacent_segments_share_a_vertex():
-    mesh = grid_square(4)
-    labels = np.where(mesh.face_centroids[:, 0] > 0.5, 1, np.where(mesh.face_centroids[:, 1] > 0.5, 2, 0))
-    pairs = adjacent_segments(mesh.faces, labels, mesh.n_vertices)
-    assert {tuple(sorted(pair)) for pair in pairs.tolist()} == {(0, 1), (0, 2), (1, 2)}
-    assert len(adjacent_segments(mesh.faces, np.full(32, -1), mesh.n_vertices)) == 0
-
-
-def test_a_merged_segment_keeps_the_colour_of_its_larger_part():
-    before, after = np.array([0, 0, 0, 1, 1, 2]), np.array([1, 1, 1, 1, 1, 0])
-    assert inherited_colors(after, 2, before, np.array([30, 31, 32])).tolist() == [32, 30]
-
-
-def test_the_larger_part_of_a_split_keeps_the_colour():
-    before, after = np.array([0, 0, 0, 1]), np.array([2, 0, 0, 1])
-    assert inherited_colors(after, 3, before, np.array([30, 31])).tolist() == [30, 31, -1]
-
-
-def test_the_palette_has_distinct_colours():
-    assert len({tuple(color) for color in palette().tolist()}) == len(palette()) >= 60
 
 
 # --- values ---

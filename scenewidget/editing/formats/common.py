@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import colorsys
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,7 +9,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from scenewidget.editing.edits import MAX_NAME
 from scenewidget.editing.files import replacing
@@ -22,7 +20,6 @@ __all__ = [
     "clean_name",
     "faces_from_vertices",
     "same_place",
-    "segment_colors",
     "vertices_from_faces",
     "write_bytes",
 ]
@@ -55,16 +52,6 @@ def clean_name(value: Any) -> str:
     """A segment's name out of a file, without what no name may hold."""
     text = "".join(c for c in str(value) if unicodedata.category(c) not in ("Cc", "Cs"))
     return unicodedata.normalize("NFC", text).strip()[:MAX_NAME].strip()
-
-
-def segment_colors(n_segments: int) -> npt.NDArray[np.uint8]:
-    """(n_segments + 1, 3) colours that differ from their predecessors; the last row, grey, is unlabeled."""
-    golden = 0.618033988749895  # steps around the circle of hues that never come close to each other
-    rows = [
-        colorsys.hsv_to_rgb(i * golden % 1.0, 0.55 + 0.25 * (i // 3 % 2), 0.95 - 0.2 * (i // 2 % 2))
-        for i in range(n_segments)
-    ]
-    return np.round(255 * np.array([*rows, (0.5, 0.5, 0.5)])).astype(np.uint8)
 
 
 def faces_from_vertices(values: IntArray, mesh: Mesh) -> tuple[IntArray, int]:

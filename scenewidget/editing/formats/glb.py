@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from scenewidget.editing.formats.common import FormatError, Labels, clean_name, segment_colors, write_bytes
+from scenewidget.editing.formats.common import FormatError, Labels, clean_name, write_bytes
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.segmentation import Segmentation
+from scenewidget.palette import segment_colors
 
 __all__ = ["read", "write"]
 
@@ -34,7 +35,7 @@ MAX_DEPTH = 50
 def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
     """Write a node a segment, unlabeled faces in one of their own; see `export`."""
     builder = _Builder()
-    colors = segment_colors(segmentation.n_segments)
+    colors = segment_colors(segmentation)
     order = np.argsort(segmentation.labels, kind="stable")
     starts = np.searchsorted(segmentation.labels[order], np.arange(-1, segmentation.n_segments + 1))
     for label, (start, stop) in enumerate(itertools.pairwise(starts.tolist()), start=-1):

@@ -19,12 +19,12 @@ from scenewidget.editing.formats.common import (
     Labels,
     clean_name,
     same_place,
-    segment_colors,
     vertices_from_faces,
     write_bytes,
 )
 from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.segmentation import Segmentation
+from scenewidget.palette import segment_colors
 
 __all__ = ["LABEL_NAMES", "read", "read_columns", "write"]
 
@@ -51,7 +51,7 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path, *, per: str = "fac
     """Write the mesh with colours and instances; see `export`."""
     if per not in ("face", "vertex"):
         raise ValueError(f"per must be 'face' or 'vertex', got {per!r}")
-    colors = segment_colors(segmentation.n_segments)
+    colors = segment_colors(segmentation)
     as_float = mesh.vertices.astype(np.float32)
     is_exact = np.array_equal(as_float, mesh.vertices)
     position = "float" if is_exact else "double"

@@ -20,13 +20,13 @@ from scenewidget.editing.formats.common import (
     Labels,
     clean_name,
     same_place,
-    segment_colors,
     vertices_from_faces,
     write_bytes,
 )
 from scenewidget.editing.vocabulary import nyu_class
 from scenewidget.engine.mesh import FloatArray, Mesh
 from scenewidget.engine.segmentation import Segmentation
+from scenewidget.palette import segment_colors
 
 __all__ = ["read", "write"]
 
@@ -37,7 +37,7 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
     """Write the two files; see `export`. Labels are 1, 2, … in the order of the segments."""
     scene, annotation = path.with_suffix(".ply"), path.with_suffix(".xml")
     labels = vertices_from_faces(segmentation.labels, mesh) + 1
-    colors = segment_colors(segmentation.n_segments)
+    colors = segment_colors(segmentation)
     seen = colors[labels - 1] if mesh.vertex_colors is None else mesh.vertex_colors
     label_type = ("ushort", "<u2") if segmentation.n_segments < 2**16 - 1 else ("uint", "<u4")
     columns = [(axis, "float", "<f4") for axis in ("x", "y", "z", "nx", "ny", "nz")]

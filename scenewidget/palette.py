@@ -1,4 +1,4 @@
-"""Colours of segments: neighbours look different, and an edit leaves the other colours alone.
+"""Colours of segments on the screen, in figures and in exported files: neighbours look different.
 
 Goes in: a label per face, what touches what, the colours before. Comes out: a row of a fixed palette per
 segment. Differences are measured in Oklab (Ottosson, 2020), and as people with protanopia and deuteranopia
@@ -7,17 +7,29 @@ see them (Machado, Oliveira and Fernandes, 2009, IEEE TVCG 15(6)), whichever is 
 
 from __future__ import annotations
 
+import weakref
 from functools import cache
 
 import numpy as np
 import numpy.typing as npt
 
 from scenewidget.engine.family import Family
-from scenewidget.engine.mesh import FloatArray, IntArray
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+from scenewidget.engine.segmentation import Segmentation
 
-__all__ = ["adjacent_segments", "are_distinct", "choose_colors", "conflicts", "inherited_colors", "palette"]
+__all__ = [
+    "adjacent_segments",
+    "are_distinct",
+    "choose_colors",
+    "conflicts",
+    "inherited_colors",
+    "keep_colors",
+    "label_rows",
+    "palette",
+    "segment_colors",
+]
 
-UNLABELLED = -1
+UNLABELED = (179, 179, 181)  # sRGB, as on a light screen
 
 # lightness and chroma of the rings of the palette, calm ones first; hues are staggered from ring to ring
 RINGS = ((0.82, 0.075), (0.74, 0.12), (0.66, 0.135), (0.89, 0.09), (0.58, 0.13))
@@ -38,6 +50,65 @@ def palette() -> npt.NDArray[np.uint8]:
     linear = _linear_palette()
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     return np.round(255 * encoded).astype(np.uint8)
+
+
+# what each segmentation is shown in, where somebody looks at it; -1 = not shown
+_rows_shown: weakref.WeakKeyDictionary[Segmentation, IntArray] = weakref.WeakKeyDictionary()
+
+
+def keep_colors(segmentation: Segmentation, rows: IntArray) -> None:
+    """Remember in which colours a view shows a segmentation, so that its files have the same.
+
+    Parameters
+    ----------
+    segmentation : Segmentation
+    rows : (n_segments,) int
+        Rows of the palette; -1 where it isn't known.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> mesh = sw.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> seg = sw.Segmentation.from_labels(mesh, [0])
+    >>> keep_colors(seg, np.array([7]))
+    >>> bool((segment_colors(seg)[0] == palette()[7]).all())
+    True
+    """
+    _rows_shown[segmentation] = np.array(rows)
+
+
+def segment_colors(segmentation: Segmentation) -> npt.NDArray[np.uint8]:
+    """(n_segments + 1, 3) sRGB of each segment, and of what is unlabeled in the last row.
+
+    The colours that it is shown in, or those that a new view would show it in.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> mesh = sw.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    >>> segment_colors(sw.Segmentation.from_labels(mesh, [0, -1])).tolist()
+    [[255, 201, 199], [179, 179, 181]]
+    """
+    known = _rows_shown.get(segmentation)
+    rows = label_rows(segmentation.mesh, segmentation.labels, known)
+    return np.concatenate([palette()[rows], np.array([UNLABELED], np.uint8)])
+
+
+def label_rows(mesh: Mesh, labels: IntArray, known: IntArray | None = None) -> IntArray:
+    """A row of the palette for each label, (n_labels,).
+
+    Parameters
+    ----------
+    mesh : Mesh
+    labels : (n_faces,) int
+        From 0 without gaps; -1 = none.
+    known : (n_labels,) int, optional
+        Rows that are settled; -1 = choose.
+    """
+    n_labels = int(labels.max(initial=-1)) + 1
+    shares = np.bincount(labels[labels >= 0], minlength=n_labels) / len(labels)
+    return choose_colors(n_labels, adjacent_segments(mesh.faces, labels, mesh.n_vertices), shares, known)
 
 
 def choose_colors(
@@ -128,7 +199,7 @@ def are_distinct(color: int, others: IntArray) -> bool:
 
 def adjacent_segments(faces: IntArray, labels: IntArray, n_vertices: int) -> IntArray:
     """Pairs of segments that share a vertex, (n_pairs, 2); where many meet, not every pair of them."""
-    at_vertex = np.full(n_vertices, UNLABELLED)
+    at_vertex = np.full(n_vertices, -1)
     for corner in range(3):
         at_vertex[faces[:, corner]] = labels
     n_segments = int(labels.max(initial=0)) + 1

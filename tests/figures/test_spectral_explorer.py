@@ -6,7 +6,7 @@ from shapes import blob, box, icosphere, joined
 import scenewidget as sw
 from scenewidget.engine.features import heat_kernel_signature
 from scenewidget.engine.operators import eigenbasis
-from scenewidget.widget.spectral_explorer import SpectralExplorer, heat_from, low_pass
+from scenewidget.figures.spectral_explorer import SpectralExplorer, heat_from, low_pass
 
 
 @pytest.fixture(scope="module")
