@@ -25,7 +25,7 @@ from scenewidget.evaluation import evaluate
 from scenewidget.metrics import quick_scores
 from scenewidget.palette import keep_colors
 from scenewidget.widget.scene_view import SceneView
-from scenewidget.widget.scoring import Scorer, disagreement, score_rows
+from scenewidget.widget.scores import Scorer, disagreement, score_rows
 from scenewidget.widget.settings import params_code
 from scenewidget.widget.stages import STAGE_NAMES
 from scenewidget.widget.worker import Worker, checked_timeout

@@ -26,14 +26,14 @@ from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import Segmentation
+from scenewidget.widget.autosave import Autosave
 from scenewidget.widget.controls import ParamsControls
-from scenewidget.widget.editor import Editor
-from scenewidget.widget.keeper import Keeper
+from scenewidget.widget.edit_commands import EditCommands
 from scenewidget.widget.previewer import Previewer, preview_params
 from scenewidget.widget.scene_view import SceneView
-from scenewidget.widget.scoring import Scorer, score_rows
+from scenewidget.widget.scores import Scorer, score_rows
 from scenewidget.widget.stages import STAGE_NAMES
-from scenewidget.widget.suggesting import Suggesting
+from scenewidget.widget.suggestion_bar import SuggestionBar
 from scenewidget.widget.worker import Newest, Worker, checked_timeout
 
 __all__ = ["SceneWidget"]
@@ -119,17 +119,19 @@ class SceneWidget(widgets.VBox):
         params = params or Params()
         self.pipeline = Pipeline(mesh)
         self._scorer = None if truth is None else Scorer(self.pipeline.mesh, truth)
-        self._scoring = Newest("scenewidget-scores")
+        self._score_runner = Newest("scenewidget-scores")
         channel = secrets.token_hex(8)
         self.view = SceneView(self.pipeline.mesh, height=height, editable=True, _channel=channel)
         self.controls = ParamsControls(params, _channel=channel)
         self._lock = threading.RLock()
         self._previewer = Previewer(self.pipeline, self.view, self._lock)
         self._is_observed = False
-        self._keeper = Keeper(self.view, self._lock, autosave, self.restore)
-        self._editor = Editor(self.view, self._lock, self._keeper, self._take_edit)
-        self._editor.vocabulary = None if vocabulary is None else chosen_vocabulary(vocabulary)
-        self._suggesting = Suggesting(self.view, self._lock, lambda: self.session, self._editor.remark)
+        self._autosave = Autosave(self.view, self._lock, autosave, self.restore)
+        self._commands = EditCommands(self.view, self._lock, self._autosave, self._take_edit)
+        self._commands.vocabulary = None if vocabulary is None else chosen_vocabulary(vocabulary)
+        self._suggestion_bar = SuggestionBar(
+            self.view, self._lock, lambda: self.session, self._commands.remark
+        )
         self._is_restoring = False
         self._error: BaseException | None = None
         self._shown_params: Params | None = None
@@ -145,7 +147,7 @@ class SceneWidget(widgets.VBox):
         self.controls.connect(on_move=self._preview, on_leave=self._previewer.end, on_rerun=self._compute)
         if self._scorer is not None:
             self.view.offer_errors("Errors against the truth")
-            self.view.observe(lambda _: self._scoring.submit(self._score), "color_by")
+            self.view.observe(lambda _: self._score_runner.submit(self._score), "color_by")
         self.observe(self._take_params, "params")
         self.controls.observe(lambda change: self.set_trait("params", change["new"]), "params")
         self._compute()
@@ -157,8 +159,8 @@ class SceneWidget(widgets.VBox):
     @property
     def session(self) -> Session | None:
         """The corrections; None before the first result."""
-        editor = vars(self).get("_editor")
-        return None if editor is None else editor.session
+        commands = vars(self).get("_commands")
+        return None if commands is None else commands.session
 
     def observe(self, handler: Any, names: Any = traitlets.All, type: Any = "change") -> None:  # noqa: A002  # traitlets' name
         """As of any widget. Whoever observes ``segmentation`` is told of every edit and result.
@@ -211,7 +213,7 @@ class SceneWidget(widgets.VBox):
         if not self._worker.wait(timeout):
             stage = f" ({self.view.status})" if self.view.busy else ""
             raise TimeoutError(f"still computing{stage} after {timeout:g} seconds; wait(None) waits for ever")
-        self._scoring.wait(timeout)
+        self._score_runner.wait(timeout)
         with self._lock:
             if self._error is not None:
                 raise self._error
@@ -237,7 +239,7 @@ class SceneWidget(widgets.VBox):
         """
         if self.session is None:
             raise RuntimeError("there is nothing to save before the first segmentation; wait() for it")
-        return self._keeper.save(self.session, path)
+        return self._autosave.save(self.session, path)
 
     def restore(self, path: str | os.PathLike[str]) -> None:
         """Go on with a project file: its segmentation, parameters and edits take the place of these.
@@ -258,7 +260,7 @@ class SceneWidget(widgets.VBox):
         self._worker.cancel()  # before the file is read: a late result would land over it
         if not self._worker.wait(30):
             raise TimeoutError("the computation under way does not stop; nothing was restored")
-        self._keeper.wait()
+        self._autosave.wait()
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # read-only is told in the picture
@@ -272,7 +274,7 @@ class SceneWidget(widgets.VBox):
                 self.params = session.params
             finally:
                 self._is_restoring = False
-        self._editor.adopt(session)
+        self._commands.adopt(session)
         can_suggest = session.automatic.keys is not None
         with self._lock:
             self._error, self._shown_params = None, session.params
@@ -340,16 +342,16 @@ class SceneWidget(widgets.VBox):
         if kind == "cancel":
             self.cancel()
         elif kind == "suggest":
-            with self._editor.gesture(message):
-                self._suggesting.handle(message)
+            with self._commands.gesture(message):
+                self._suggestion_bar.handle(message)
         else:
-            self._editor.handle(message)
+            self._commands.handle(message)
 
     def _take_edit(self) -> None:
         """The session has changed: whoever observes the segmentation is told, others get it when they ask."""
-        self._suggesting.forget()
+        self._suggestion_bar.forget()
         if self._scorer is not None:
-            self._scoring.submit(self._score)
+            self._score_runner.submit(self._score)
         if self._is_observed:
             self._catch_up()
 
@@ -381,7 +383,7 @@ class SceneWidget(widgets.VBox):
             self.view.progress = fraction
 
     def _show_result(self, params: Params, segmentation: Segmentation) -> None:
-        lost = self._editor.take(segmentation, params)
+        lost = self._commands.take(segmentation, params)
         self._catch_up()
         with self._lock:
             self._shown_params = params

@@ -23,8 +23,8 @@ import scenewidget as sw
 from scenewidget.editing.edits import EditError
 from scenewidget.editing.session import Session
 from scenewidget.engine.mesh import Mesh
-from scenewidget.widget.editor import Editor
-from scenewidget.widget.keeper import Keeper
+from scenewidget.widget.autosave import Autosave
+from scenewidget.widget.edit_commands import EditCommands
 from scenewidget.widget.scene_view import SceneView
 
 
@@ -113,21 +113,21 @@ def by_gestures(mesh: Mesh, seg: sw.Segmentation, n: int) -> tuple[list[float], 
     """Processor seconds of edits as the picture sends them, and of asking for the labels per face then."""
     view = SceneView(mesh, editable=True)
     lock = threading.RLock()
-    editor = Editor(view, lock, Keeper(view, lock, False, print), lambda: None)
-    editor.take(seg, sw.Params())
+    commands = EditCommands(view, lock, Autosave(view, lock, False, print), lambda: None)
+    commands.take(seg, sw.Params())
     rng = np.random.default_rng(1)
     spent, asked = [], []
     for k in range(n):
         a, b = (int(face) for face in rng.integers(0, mesh.n_faces, 2))
         edit = {"kind": "merge", "face": a, "onto_face": b} if k % 3 else {"kind": "split", "face": a}
         message = {**edit, "level": ("dihedral", "base", "final")[k % 3], "revision": view.revision}
-        start, before = time.process_time(), len(editor.session.edits)
-        editor.handle({**message, "client": "benchmark", "number": k})
-        if len(editor.session.edits) > before:
+        start, before = time.process_time(), len(commands.session.edits)
+        commands.handle({**message, "client": "benchmark", "number": k})
+        if len(commands.session.edits) > before:
             spent.append(time.process_time() - start)
         if k % 20 == 0:
             start = time.process_time()
-            assert editor.session.segmentation.labels.shape == (mesh.n_faces,)
+            assert commands.session.segmentation.labels.shape == (mesh.n_faces,)
             asked.append(time.process_time() - start)
     return spent, asked
 

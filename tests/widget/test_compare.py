@@ -8,7 +8,7 @@ import shapes
 
 import scenewidget as sw
 from scenewidget.palette import segment_colors
-from scenewidget.widget.scoring import disagreement
+from scenewidget.widget.scores import disagreement
 
 MESH, TRUTH = shapes.room(10, noise=0.003)
 SMALL = sw.Params(n_segments=6, n_runs=4, n_graph_runs=4)

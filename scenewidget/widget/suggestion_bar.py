@@ -9,13 +9,13 @@ from typing import Any
 from scenewidget.editing.edits import EditError
 from scenewidget.editing.session import Session
 from scenewidget.editing.suggestions import Suggestion
-from scenewidget.widget.keeper import spoken
+from scenewidget.widget.autosave import spoken
 from scenewidget.widget.scene_view import SceneView
 
-__all__ = ["Suggesting"]
+__all__ = ["SuggestionBar"]
 
 
-class Suggesting:
+class SuggestionBar:
     """What connects `Session.suggestions` with a `SceneView`.
 
     Parameters

@@ -19,16 +19,16 @@ from scenewidget.editing.vocabulary import NYU40, quick_names
 from scenewidget.engine.mesh import IntArray
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation
-from scenewidget.widget.keeper import Keeper, spoken
+from scenewidget.widget.autosave import Autosave, spoken
 from scenewidget.widget.scene_view import SceneView
 
-__all__ = ["Editor"]
+__all__ = ["EditCommands"]
 
 KINDS = ("merge", "split", "relabel", "cut", "undo", "redo", "go_to")
 MOST_STEPS = 300  # that are listed, of those done and of those undone
 
 
-class Editor:
+class EditCommands:
     """What connects a `SceneView` with a `Session`.
 
     Parameters
@@ -37,7 +37,7 @@ class Editor:
     lock : RLock
         Held while the view changes. Never ask the session while holding it: it may be busy with an edit
         of another thread, or with a slow disk.
-    keeper : Keeper
+    autosave : Autosave
         Writes what changes.
     on_change : callable ()
         Called after every change, once the picture has been told.
@@ -51,12 +51,12 @@ class Editor:
     """
 
     def __init__(
-        self, view: SceneView, lock: threading.RLock, keeper: Keeper, on_change: Callable[[], None]
+        self, view: SceneView, lock: threading.RLock, autosave: Autosave, on_change: Callable[[], None]
     ) -> None:
         self.session: Session | None = None
         self.vocabulary: tuple[str, ...] | None = None
         self._stop_watching: Callable[[], None] = lambda: None
-        self._keeper = keeper
+        self._autosave = autosave
         self._view = view
         self._lock = lock
         self._on_change = on_change
@@ -94,7 +94,7 @@ class Editor:
             self._save()
         elif kind == "choose":
             try:
-                self._keeper.choose(str(message.get("notice")), str(message.get("action")))
+                self._autosave.choose(str(message.get("notice")), str(message.get("action")))
             except (OSError, ValueError) as error:  # of the file; told, and nothing has changed
                 self._view.error = spoken(error)
         elif kind == "preview_cut":
@@ -170,7 +170,7 @@ class Editor:
             self.remark("There is nothing to save yet")
             return
         try:
-            written = self._keeper.save(self.session)
+            written = self._autosave.save(self.session)
         except OSError as error:
             self.remark(spoken(error))
         else:
@@ -182,7 +182,7 @@ class Editor:
             return
         message = getattr(self._message, "now", None)
         if event.kind == "file":
-            self._keeper.tell(session)
+            self._autosave.tell(session)
             return
         state = session.snapshot()  # this event's or a newer one
         history, undone = session.history, session.undone
@@ -219,7 +219,7 @@ class Editor:
                 self.remark(f"{done}{event.step.title}" if done else "")
             if message is not None:
                 view.answer(message)
-        self._keeper.note(session, event, is_gesture=message is not None)
+        self._autosave.note(session, event, is_gesture=message is not None)
         self._on_change()
 
     def _show_history(self, _: Any) -> None:

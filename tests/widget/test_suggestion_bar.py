@@ -49,7 +49,7 @@ def test_an_accepted_suggestion_is_an_edit_made_in_the_picture_and_begins_the_fi
     widget.wait(60)
     ask(widget, "next")
     ask(widget, "accept")
-    widget._keeper.wait()
+    widget._autosave.wait()
     assert len(list(tmp_path.glob("*.swproj"))) == 1
     assert widget.view.save_state == "saved"
     widget.close()
@@ -103,7 +103,7 @@ def test_every_question_is_answered_by_a_change_also_when_there_is_nothing(widge
     for n in (1, 2):
         ask(widget, "next")
         assert len(told) == n
-    widget._editor.session = None
+    widget._commands.session = None
     ask(widget, "next")
     assert len(told) == 3
     assert not is_shown(widget)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import scenewidget as sw
 from scenewidget.engine.atoms import common_refinement
 from scenewidget.metrics import match_segments, mean_iou, quick_scores
-from scenewidget.widget.scoring import RIGHT, UNKNOWN, WRONG, Scorer, score_rows
+from scenewidget.widget.scores import RIGHT, UNKNOWN, WRONG, Scorer, score_rows
 
 MESH = shapes.box(6)
 NAMES = ["rand_index_error", "global_consistency_error", "local_consistency_error", "mean_iou", "coverage"]

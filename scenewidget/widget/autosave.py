@@ -25,7 +25,7 @@ from scenewidget.editing.store import Summary, summary_of
 from scenewidget.engine.mesh import Mesh
 from scenewidget.widget.scene_view import SceneView
 
-__all__ = ["Keeper", "default_name", "newest_project", "spoken"]
+__all__ = ["Autosave", "default_name", "newest_project", "spoken"]
 
 SUFFIX = ".swproj"
 DIGITS = 8  # of the fingerprint, in names of files
@@ -55,7 +55,7 @@ def newest_project(mesh: Mesh, folder: Path) -> Summary | None:
     return _newest(_summaries(paths), mesh)
 
 
-class Keeper:
+class Autosave:
     """Writes a session to its file and tells the picture how that stands.
 
     Parameters

@@ -13,7 +13,7 @@ import shapes
 import scenewidget as sw
 from scenewidget.editing import store
 from scenewidget.editing.store import summary_of
-from scenewidget.widget.keeper import default_name, newest_project
+from scenewidget.widget.autosave import default_name, newest_project
 
 OTHER_KERNEL = """
 import sys
@@ -62,7 +62,7 @@ def show(mesh):
 def tell(widget, **message):
     """What the browser sends."""
     widget.view._handle_custom_msg({"revision": widget.view.revision, **message}, [])
-    widget._keeper.wait()
+    widget._autosave.wait()
 
 
 def merge(widget, source=1, onto=0):
@@ -240,7 +240,7 @@ def test_without_autosave_save_decides(show, folder):
 def test_a_path_is_begun_by_scripts_too_and_not_with_another_mesh(show, mesh, folder):
     widget = show(autosave="room.swproj")
     widget.session.relabel(0, "wall")
-    widget._keeper.wait()
+    widget._autosave.wait()
     assert summary_of(folder / "room.swproj").n_steps == 1
     widget.session.close()
     other = sw.Mesh(mesh.vertices + 1.0, mesh.faces)
@@ -285,9 +285,11 @@ def test_damaged_and_foreign_files_are_passed_over(show, mesh, folder):
 def test_the_first_edit_is_answered_before_the_file_is_written(show, monkeypatch):
     widget = show()
     answered = []
-    begin = widget._keeper._begin_file
+    begin = widget._autosave._begin_file
     monkeypatch.setattr(
-        widget._keeper, "_begin_file", lambda session: (answered.append(widget.view._answers), begin(session))
+        widget._autosave,
+        "_begin_file",
+        lambda session: (answered.append(widget.view._answers), begin(session)),
     )
     labels = widget.segmentation.labels
     tell(widget, kind="merge", face=int(np.argmax(labels == 1)), onto_face=int(np.argmax(labels == 0)),
@@ -362,7 +364,7 @@ def test_a_result_that_comes_while_somebody_restores_goes_to_the_session_before(
     path = first.session.path
     first.session.close()
     second, order = show(), []
-    take, open_project = second._editor.take, sw.Session.open
+    take, open_project = second._commands.take, sw.Session.open
 
     def late(*result):
         arrived.set()
@@ -371,7 +373,7 @@ def test_a_result_that_comes_while_somebody_restores_goes_to_the_session_before(
         return take(*result)
 
     arrived = threading.Event()
-    monkeypatch.setattr(second._editor, "take", late)
+    monkeypatch.setattr(second._commands, "take", late)
     monkeypatch.setattr(sw.Session, "open", lambda *args: order.append("file") or open_project(*args))
     second.params = SMALL.replace(n_segments=3)
     assert arrived.wait(30)
@@ -390,16 +392,16 @@ def test_a_folder_that_was_removed_is_no_obstacle_to_looking(mesh, folder, monke
 def test_the_state_told_is_the_last_one_whoever_is_slow(show, monkeypatch):
     widget = show(autosave=False)
     merge(widget)
-    keeper, session = widget._keeper, widget.session
+    autosave, session = widget._autosave, widget.session
     history = type(session).history
 
     def slow(self):  # meanwhile another thread saves, and tells
         monkeypatch.undo()
-        keeper.save(session, "quick.swproj")
+        autosave.save(session, "quick.swproj")
         return history.fget(self)
 
     with monkeypatch.context() as patch:
         patch.setattr(type(session), "history", property(slow))
         patch.setattr(monkeypatch, "undo", lambda: setattr(type(session), "history", history))
-        keeper.tell(session)
+        autosave.tell(session)
     assert widget.view.save_state == "saved"

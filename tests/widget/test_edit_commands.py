@@ -9,8 +9,8 @@ import shapes
 import scenewidget as sw
 from scenewidget.editing.partition import Partition
 from scenewidget.palette import adjacent_segments, segment_colors
-from scenewidget.widget.editor import Editor
-from scenewidget.widget.keeper import Keeper
+from scenewidget.widget.autosave import Autosave
+from scenewidget.widget.edit_commands import EditCommands
 from scenewidget.widget.scene_view import SceneView
 
 SMALL = sw.Params(n_segments=6, n_runs=4, n_graph_runs=4)
@@ -34,24 +34,24 @@ def automatic(mesh):
 
 
 @pytest.fixture
-def editor(mesh, automatic):
-    """An editor whose session can be asked, with its view."""
+def commands(mesh, automatic):
+    """Edit commands whose session can be asked, with its view."""
     view, lock = SceneView(mesh, editable=True), threading.RLock()
-    editor = Editor(view, lock, Keeper(view, lock, False, print), lambda: None)
-    editor.take(automatic, SMALL)
-    return editor
+    commands = EditCommands(view, lock, Autosave(view, lock, False, print), lambda: None)
+    commands.take(automatic, SMALL)
+    return commands
 
 
 def shown(view, name, dtype=np.uint32):
     return np.frombuffer(getattr(view, f"_{name}"), dtype)
 
 
-def test_the_picture_shows_what_the_session_holds_after_any_walk(editor, mesh):
-    view, session, rng = editor._view, editor.session, np.random.default_rng(0)
+def test_the_picture_shows_what_the_session_holds_after_any_walk(commands, mesh):
+    view, session, rng = commands._view, commands.session, np.random.default_rng(0)
     for k in range(60):
         a, b = (int(face) for face in rng.integers(0, mesh.n_faces, 2))
         kind = ("merge", "split", "undo", "redo", "relabel")[k % 5]
-        editor.handle(
+        commands.handle(
             {"kind": kind, "face": a, "onto_face": b, "level": ("dihedral", "base", "final")[k % 3],
              "name": f"name {k}", "revision": view.revision}
         )  # fmt: skip
@@ -67,23 +67,23 @@ def test_the_picture_shows_what_the_session_holds_after_any_walk(editor, mesh):
     assert len(session.edits) > 10
 
 
-def test_files_have_the_colours_that_the_picture_shows_after_edits(editor, mesh):
-    view, session, rng = editor._view, editor.session, np.random.default_rng(1)
+def test_files_have_the_colours_that_the_picture_shows_after_edits(commands, mesh):
+    view, session, rng = commands._view, commands.session, np.random.default_rng(1)
     for k in range(24):
         a, b = (int(face) for face in rng.integers(0, mesh.n_faces, 2))
         kind = ("split", "merge", "merge", "undo")[k % 4]
         level = ("dihedral", "dihedral", "base", "final")[k % 4]
         message = {"kind": kind, "face": a, "onto_face": b, "level": level, "revision": view.revision}
-        editor.handle(message)
+        commands.handle(message)
         np.testing.assert_array_equal(segment_colors(session.segmentation)[:-1], view.segment_colors)
     assert session.revision > 12
 
 
-def test_neighbours_out_of_atoms_are_those_of_the_faces(editor, mesh):
-    view = editor._view
+def test_neighbours_out_of_atoms_are_those_of_the_faces(commands, mesh):
+    view = commands._view
     for edit in ({"kind": "split", "face": 5, "level": "dihedral"}, {"kind": "undo"}):
-        editor.handle({**edit, "revision": view.revision})
-        labels = editor.session.segmentation.labels
+        commands.handle({**edit, "revision": view.revision})
+        labels = commands.session.segmentation.labels
         expected = adjacent_segments(mesh.faces, labels, mesh.n_vertices).tolist()
         expected = {(a, b) for a, b in expected} | {(b, a) for a, b in expected}
         for wanted in (slice(None), slice(1, 3), slice(0)):
@@ -115,59 +115,59 @@ def test_labels_per_face_are_made_only_when_somebody_wants_them(mesh, monkeypatc
     widget.close()
 
 
-def send(editor, kind, **message):
-    editor.handle({"kind": kind, "revision": editor._view.revision, "level": "final", **message})
+def send(commands, kind, **message):
+    commands.handle({"kind": kind, "revision": commands._view.revision, "level": "final", **message})
 
 
-def test_the_history_is_listed_while_it_is_shown_and_can_be_walked(editor):
-    view, session = editor._view, editor.session
+def test_the_history_is_listed_while_it_is_shown_and_can_be_walked(commands):
+    view, session = commands._view, commands.session
     faces = [int(np.argmax(session.segmentation.labels == segment)) for segment in range(3)]
-    send(editor, "merge", face=faces[1], onto_face=faces[0])
+    send(commands, "merge", face=faces[1], onto_face=faces[0])
     assert view.history == []
     view.history_shown = True
-    send(editor, "merge", face=[faces[2], faces[0]], onto_face=faces[1])
-    send(editor, "relabel", face=faces[0], name="chair")
+    send(commands, "merge", face=[faces[2], faces[0]], onto_face=faces[1])
+    send(commands, "relabel", face=faces[0], name="chair")
     assert [(row["n"], row["title"]) for row in view.history] == [
         (1, "Merge"), (2, "Merge 2 parts"), (3, "Name 'chair'"),
     ]  # fmt: skip
     assert all(row["time"] > 1e9 and row["problem"] == "" for row in view.history)
     labels = session.segmentation.labels
-    send(editor, "go_to", n=1)
+    send(commands, "go_to", n=1)
     assert (view.n_done, len(session.edits), view.redo_title) == (1, 1, "Merge 2 parts")
     assert [row["n"] for row in view.history] == [1, 2, 3]
-    send(editor, "go_to", n=3)
+    send(commands, "go_to", n=3)
     np.testing.assert_array_equal(session.segmentation.labels, labels)
-    send(editor, "go_to", n=2)
-    send(editor, "split", face=faces[0], level="dihedral")
-    send(editor, "go_to", n=9)  # listed before the last edit made an end of what could be redone
+    send(commands, "go_to", n=2)
+    send(commands, "split", face=faces[0], level="dihedral")
+    send(commands, "go_to", n=9)  # listed before the last edit made an end of what could be redone
     assert (view.n_done, view.error) == (3, "")
 
 
-def test_steps_that_no_longer_apply_are_listed_with_the_reason(editor, mesh):
-    view = editor._view
+def test_steps_that_no_longer_apply_are_listed_with_the_reason(commands, mesh):
+    view = commands._view
     view.history_shown = True
-    labels = editor.session.segmentation.labels
-    send(editor, "merge", face=int(np.argmax(labels == 1)), onto_face=int(np.argmax(labels == 0)))
-    editor.take(sw.Segmentation.from_labels(mesh, np.zeros(mesh.n_faces, int)), SMALL)
+    labels = commands.session.segmentation.labels
+    send(commands, "merge", face=int(np.argmax(labels == 1)), onto_face=int(np.argmax(labels == 0)))
+    commands.take(sw.Segmentation.from_labels(mesh, np.zeros(mesh.n_faces, int)), SMALL)
     assert "in one segment already" in view.history[0]["problem"]
 
 
-def test_a_cut_divides_what_is_under_both_points(editor, mesh):
-    labels = editor.session.segmentation.labels
+def test_a_cut_divides_what_is_under_both_points(commands, mesh):
+    labels = commands.session.segmentation.labels
     a, b = (int(face) for face in np.flatnonzero(labels == 0)[[0, -1]])
-    n = editor._view.n_segments
-    send(editor, "cut", face_a=a, face_b=b)
-    assert editor._view.n_segments == n + 1
-    assert editor._view.undo_title == "Cut"
+    n = commands._view.n_segments
+    send(commands, "cut", face_a=a, face_b=b)
+    assert commands._view.n_segments == n + 1
+    assert commands._view.undo_title == "Cut"
 
 
-def test_names_used_last_come_first_and_keys_stay(editor):
-    view = editor._view
-    assert view.quick_names == list(editor.session.vocabulary[:7])
+def test_names_used_last_come_first_and_keys_stay(commands):
+    view = commands._view
+    assert view.quick_names == list(commands.session.vocabulary[:7])
     for name in ("lamp", "my own"):
-        send(editor, "relabel", face=0, name=name)
+        send(commands, "relabel", face=0, name=name)
     assert view.vocabulary[:3] == ["my own", "lamp", "wall"]
-    assert view.quick_names == [*editor.session.vocabulary[:5], "my own", "lamp"]
+    assert view.quick_names == [*commands.session.vocabulary[:5], "my own", "lamp"]
     assert view.vocabulary.count("lamp") == 1
 
 
@@ -186,17 +186,17 @@ def test_a_vocabulary_given_is_that_of_a_restored_session_too(mesh):
     second.session.close()
 
 
-def test_the_preview_of_a_cut_crosses_as_bits(editor, monkeypatch):
+def test_the_preview_of_a_cut_crosses_as_bits(commands, monkeypatch):
     answers = []
-    monkeypatch.setattr(editor._view, "send", lambda content, buffers: answers.append((content, *buffers)))
-    labels = editor.session.segmentation.labels
+    monkeypatch.setattr(commands._view, "send", lambda content, buffers: answers.append((content, *buffers)))
+    labels = commands.session.segmentation.labels
     a, b = (int(face) for face in np.flatnonzero(labels == 0)[[0, -1]])
-    send(editor, "preview_cut", face_a=a, face_b=b, request="x1")
-    send(editor, "preview_cut", face_a=a, face_b=int(np.argmax(labels == 1)), request="x2")
-    send(editor, "preview_cut", face_a=a, face_b=b, request="x3", revision=-1)
+    send(commands, "preview_cut", face_a=a, face_b=b, request="x1")
+    send(commands, "preview_cut", face_a=a, face_b=int(np.argmax(labels == 1)), request="x2")
+    send(commands, "preview_cut", face_a=a, face_b=b, request="x3", revision=-1)
     assert [content["request"] for content, _ in answers] == ["x1", "x2", "x3"]
     assert [bits for _, bits in answers[1:]] == [b"", b""]
     content, bits = answers[0]
     faces = content["first"] + np.flatnonzero(np.unpackbits(np.frombuffer(bits, np.uint8), bitorder="little"))
-    np.testing.assert_array_equal(faces, editor.session.preview_cut(a, b))
-    assert (editor.session.edits, editor._view.error) == ([], "")
+    np.testing.assert_array_equal(faces, commands.session.preview_cut(a, b))
+    assert (commands.session.edits, commands._view.error) == ([], "")
