@@ -65,6 +65,8 @@ def parameters(thing):
     """Names in the signature without self, cls and what is private."""
     if isinstance(thing, property) or (inspect.isclass(thing) and not is_made_here(thing)):
         return []
+    if inspect.isclass(thing) and getattr(thing, "_is_protocol", False):
+        return []  # its method says what it is called with
     names = [p for p in inspect.signature(thing).parameters if not p.startswith("_")]
     return [name for name in names if name not in ("self", "cls")]
 

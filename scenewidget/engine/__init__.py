@@ -1,8 +1,9 @@
 """The method: pure functions from a mesh to its segments. Runs without Jupyter.
 
-Data flows downwards: mesh, preprocess, items, orientation, dihedral, operators, features, distances,
-kmedoids, ensemble, consensus, finish, hull, relief, segmentation, pipeline. Each is a module, imported on
-first use: ``sw.engine.distances.all_pairs(graph)``.
+`pipeline.segment` leads from a mesh to its segments; `stages` is the table of its steps in order, each a call
+of the module that has its idea: `preprocess`, `items`, `dihedral`, `allocation`, `operators`, `features`,
+`distances`, `ensemble`, `consensus`, `finish`, `segmentation`, `family`. Each is imported on first use:
+``sw.engine.distances.all_pairs(graph)``.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from scenewidget.engine.mesh import BoolArray, IntArray
 
-__all__ = ["Atoms", "by_first_appearance", "common_refinement"]
+__all__ = ["Atoms", "by_first_appearance", "common_refinement", "renumbered"]
 
 TABLE_LIMIT = 1 << 25  # codes up to here are renumbered through a table of 9 bytes each, not by sorting
 
@@ -91,6 +91,20 @@ def by_first_appearance(values: npt.NDArray[Any]) -> npt.NDArray[np.int32]:
     rank = np.empty(len(first), dtype=np.int32)
     rank[np.argsort(first)] = np.arange(len(first), dtype=np.int32)
     return rank[inverse]
+
+
+def renumbered(group: IntArray, labels: IntArray) -> npt.NDArray[np.int32]:
+    """(n,) int32 the group of each label, the groups numbered 0, 1, … in their order; −1 stays −1.
+
+    Parameters
+    ----------
+    group : (n_labels,) int
+        Of each label.
+    labels : (n,) int
+        −1 for none.
+    """
+    _, dense = np.unique(group, return_inverse=True)
+    return np.append(dense, -1)[labels].astype(np.int32)  # label −1 is the last entry
 
 
 def _first_faces(face_atom: IntArray, n_atoms: int) -> IntArray:

@@ -1,35 +1,41 @@
 """Consensus of an ensemble: from the keys of its runs to one partition.
 
-Goes in: a label per item and run. Comes out: base segments (items with equal keys), how often they fall
-together, and a partition of them by probabilistic evidence accumulation, by linkage, or as the median
-partition (thesis 3.5).
+Goes in: a label per item and run. Come out: base segments (items with equal keys), how often they fall
+together, a partition of them by probabilistic evidence accumulation in each component, or as the median
+partition (thesis 3.5), and how much to trust the segments made of it. Partitions by a cut of a merge tree are
+in `linkage`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Literal, NamedTuple
 
 import numba
 import numpy as np
+from scipy import sparse
 
+from scenewidget.engine.allocation import allocate
 from scenewidget.engine.atoms import by_first_appearance
+from scenewidget.engine.checks import warn_caller
+from scenewidget.engine.evidence import calibrated
 from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.mesh import FloatArray, IntArray
+from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.peac import PeacResult, peac
 
 __all__ = [
     "CoAssociation",
     "Leftover",
-    "PeacResult",
-    "average_linkage",
     "base_segments",
     "co_association",
-    "cut_tree",
+    "component_trees",
+    "confidence",
     "mean_agreement",
     "median_partition",
     "peac",
+    "peac_by_component",
     "settle_leftovers",
 ]
 
@@ -49,14 +55,66 @@ class CoAssociation(NamedTuple):
         Sum of the items' weights in each base segment.
     base : (n_items,) int32
         Base segment of each item, numbered by first appearance.
-    observed : (n_base, n_base) float64
-        Share of the runs that saw both: 1 everywhere unless keys hold −1.
     """
 
     C: FloatArray
     weights: FloatArray
     base: IntArray
-    observed: FloatArray
+
+    def with_groups(self, groups: IntArray, areas: FloatArray, n_groups: int) -> FloatArray:
+        """(n_base, n_groups) sums over the items of a group of area times co-association with a base segment.
+
+        Parameters
+        ----------
+        groups : (n_items,) int
+            −1 for items in none.
+        areas : (n_items,) float64
+        n_groups : int
+        """
+        return np.asarray((self._member(groups, areas, n_groups).T @ self.C).T)
+
+    def between(self, groups: IntArray, areas: FloatArray, n_groups: int) -> FloatArray:
+        """(n_groups, n_groups) sums over pairs of items, one of each group: both areas times co-association.
+
+        Over the areas of both groups these are means: the share of the runs that put them together.
+
+        Parameters
+        ----------
+        groups : (n_items,) int
+            −1 for items in none.
+        areas : (n_items,) float64
+        n_groups : int
+        """
+        member = self._member(groups, areas, n_groups)
+        return np.asarray(member.T @ np.asarray((member.T @ self.C).T))
+
+    def _member(self, groups: IntArray, areas: FloatArray, n_groups: int) -> sparse.csr_array:
+        """(n_base, n_groups) area of each base segment in each group."""
+        keep = groups >= 0
+        entries = (areas[keep], (self.base[keep], groups[keep]))
+        return sparse.csr_array(entries, shape=(len(self.weights), n_groups))
+
+    def within(self, component: IntArray) -> tuple[IntArray, ...]:
+        """Base segments of each component; none lies in two.
+
+        Parameters
+        ----------
+        component : (n_items,) int
+        """
+        of_base = np.zeros(len(self.weights), dtype=np.int64)
+        of_base[self.base] = component
+        return tuple(np.flatnonzero(of_base == c) for c in range(int(component.max()) + 1))
+
+    def among(self, inside: IntArray) -> FloatArray:
+        """(n_inside, n_inside) C of some base segments.
+
+        Parameters
+        ----------
+        inside : (n_inside,) int
+            Ascending.
+        """
+        is_all = len(inside) == len(self.weights)
+        return self.C if is_all else np.ascontiguousarray(self.C[np.ix_(inside, inside)])
 
 
 def base_segments(keys: IntArray) -> IntArray:
@@ -85,7 +143,7 @@ def co_association(keys: IntArray, weights: FloatArray | None = None, *, n_threa
     Returns
     -------
     CoAssociation
-        A named tuple (C, weights, base, observed).
+        A named tuple (C, weights, base).
     """
     keys = np.asarray(keys)
     if keys.ndim != 2 or keys.dtype.kind not in "iu":
@@ -107,14 +165,12 @@ def co_association(keys: IntArray, weights: FloatArray | None = None, *, n_threa
     np.minimum.at(first, base, np.arange(len(base)))
     table = np.ascontiguousarray(keys[first], dtype=np.int32)
     C = _counted(_count_equal, table, n_threads)  # dense (n_base, n_base) float64: 800 MB at 10 000
-    observed: FloatArray = np.broadcast_to(1.0, C.shape)
     if table.min() >= 0:
         C /= keys.shape[1]
     else:
         seen = _counted(_count_both, table, n_threads)
         np.divide(C, seen, out=C, where=seen > 0)
-        observed = seen / keys.shape[1]
-    return CoAssociation(C, np.bincount(base, weights, n_base).astype(np.float64), base, observed)
+    return CoAssociation(C, np.bincount(base, weights, n_base).astype(np.float64), base)
 
 
 def _counted(
@@ -187,6 +243,124 @@ def _mean_within(C, base, weights, start):  # type: ignore[no-untyped-def]
                 total += weights[q] * row[base[q]]
                 mass += weights[q]
             out[p] = total / mass
+    return out
+
+
+def confidence(co: CoAssociation, labels: IntArray) -> FloatArray:
+    """Probability that an item and its segment are one thing, from how often the runs put them together.
+
+    Parameters
+    ----------
+    co : CoAssociation
+    labels : (n_items,) int
+        Segments, all items in one.
+
+    Returns
+    -------
+    confidence : (n_items,) float64
+        `evidence.calibrated` of the item's mean co-association with its segment, weighted by area.
+    """
+    n, n_base = int(labels.max()) + 1, len(co.weights)
+    code, index, inverse = np.unique(
+        co.base.astype(np.int64) * n + labels, return_index=True, return_inverse=True
+    )
+    base, segment_of = co.base[index], labels[index]  # pieces: a base segment within a segment
+    count = np.bincount(co.base, minlength=n_base)
+    weight = co.weights[base] * np.bincount(inverse, minlength=len(code)) / count[base]
+    share = np.clip(mean_agreement(co.C, base, segment_of, np.maximum(weight, 1e-300)), 0.0, 1.0)
+    return calibrated(share[inverse])
+
+
+def component_trees(
+    co: CoAssociation, component: IntArray, *, monitor: Monitor | None = None
+) -> tuple[FloatArray, ...]:
+    """Merge tree of the base segments of each component, from which `peac` starts whatever S is.
+
+    Parameters
+    ----------
+    co : CoAssociation
+    component : (n_items,) int
+        From 0.
+    monitor : Monitor, optional
+    """
+    monitor = monitor or SILENT
+    trees = []
+    for inside in co.within(component):
+        monitor.tick()
+        weights = co.weights[inside]
+        trees.append(average_linkage(co.among(inside), weights / (weights.sum() or 1.0)))
+    return tuple(trees)
+
+
+def peac_by_component(
+    co: CoAssociation,
+    component: IntArray,
+    share: FloatArray,
+    n_segments: int,
+    *,
+    trees: Sequence[FloatArray],
+    leftover: Leftover = "alone",
+    seed: int = 0,
+    monitor: Monitor | None = None,
+) -> IntArray:
+    """Partition by `peac` in each component with its share of S (thesis 3.1, 3.5).
+
+    Parameters
+    ----------
+    co : CoAssociation
+    component : (n_items,) int
+        From 0.
+    share : (n_components,) float64
+        Of `allocation.component_shares`.
+    n_segments : int
+        S.
+    trees : sequence of (n_base − 1, 4) float64
+        Of `component_trees`.
+    leftover : str
+        See `settle_leftovers`.
+    seed : int
+        Each component draws from a generator of its own.
+    monitor : Monitor, optional
+
+    Returns
+    -------
+    labels : (n_base,) int32
+        Dense.
+
+    Warns
+    -----
+    UserWarning
+        Much of the area is left over, or a component did not converge.
+    """
+    out = np.empty(len(co.weights), dtype=np.int32)
+    labels: IntArray
+    offset, left, unsolved = 0, 0.0, 0
+    members = co.within(component)
+    counts = allocate(n_segments, share, np.array([len(inside) for inside in members]))
+    for c, (inside, count) in enumerate(zip(members, counts, strict=True)):
+        weights = co.weights[inside]
+        if count <= 1 or len(inside) == 1 or not weights.sum() > 0:
+            labels = np.zeros(len(inside), dtype=np.int32)
+        else:
+            C, child = co.among(inside), np.random.SeedSequence(seed, spawn_key=(c,))
+            result = peac(C, weights, int(count), tree=trees[c], seed=child, monitor=monitor)
+            labels, part = settle_leftovers(result, C, weights, leftover)
+            left += part * float(weights.sum())
+            unsolved += not result.converged
+        out[inside] = labels + offset
+        offset += int(labels.max()) + 1
+    total = float(co.weights.sum())
+    if total > 0 and left > 0.05 * total:
+        warn_caller(
+            f"{left / total:.0%} of the area has no cluster with a probability of at least ½; "
+            "raise n_segments, or join what is left over: leftover='argmax' gives it to the likeliest "
+            "cluster, leftover='linkage' groups it"
+        )
+    if unsolved:
+        warn_caller(
+            f"the consensus did not converge in {unsolved} of {len(counts)} components, so its segments hang "
+            "on the seed more than they should; try another seed, or consensus='linkage'"
+        )
     return out
 
 

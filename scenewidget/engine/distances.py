@@ -19,10 +19,19 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.engine.monitor import SILENT, Monitor
 
-__all__ = ["MAX_DENSE_ITEMS", "MinPlusFactor", "all_pairs", "edge_costs", "edge_weights", "weight_graph"]
+__all__ = [
+    "MAX_DENSE_ITEMS",
+    "MinPlusFactor",
+    "all_pairs",
+    "edge_costs",
+    "edge_weights",
+    "warn_of_vanishing_features",
+    "weight_graph",
+]
 
 MAX_DENSE_ITEMS = 40_000  # (n, n) float32 takes 6.4 GB there
 STRIP = 64  # sources that are solved together: one strip of (n_items, 64) float32 stays in the cache
@@ -95,6 +104,31 @@ def edge_weights(
     median = np.median(lengths[lengths > 0]) if np.any(lengths > 0) else 1.0
     scale = np.median(weights[weights > 0]) if np.any(weights > 0) else 1.0
     return weights + 1e-12 * scale * (lengths / median)  # type: ignore[no-any-return]
+
+
+def warn_of_vanishing_features(feature_steps: FloatArray, costs: FloatArray) -> None:
+    """Say so where features don't see the creases, as δ of a clean mesh: all distances would vanish silently.
+
+    Parameters
+    ----------
+    feature_steps : (n_pairs,) float
+        As of `edge_weights`, with a ``feature_floor`` of 0.
+    costs : (n_pairs,) float
+
+    Warns
+    -----
+    UserWarning
+        A fifth of the pairs that cost more than 0.1 have next to no feature step.
+    """
+    is_crease = costs > 0.1
+    if not is_crease.any() or len(feature_steps) == 0:
+        return
+    flat = float(np.mean(feature_steps[is_crease] <= 1e-6 * np.quantile(feature_steps, 0.95)))
+    if flat > 0.2:
+        warn_caller(
+            f"{flat:.0%} of the creases have the same feature on both sides, so distances ignore them "
+            "(clean, noise-free mesh?); feature_floor=0.05 lets the normals count there"
+        )
 
 
 def weight_graph(n_items: int, pairs: IntArray, weights: FloatArray) -> sparse.csr_array:

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
+from scenewidget.engine.allocation import allocate
 from scenewidget.engine.distances import edge_costs
 from scenewidget.engine.felzenszwalb import felzenszwalb
 from scenewidget.engine.items import Items
@@ -20,29 +21,7 @@ from scenewidget.engine.kmedoids import Init, alternate, initial_medoids
 from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
 from scenewidget.engine.monitor import SILENT, Monitor
 
-__all__ = ["allocate", "felzenszwalb_members", "k_medoids_members", "merge_flat"]
-
-Allocation = Literal["dihedral", "faces", "same"]
-
-
-def allocate(total: int, share: FloatArray, size: IntArray) -> IntArray:
-    """Distribute a number of clusters over components.
-
-    Parameters
-    ----------
-    total : int
-        k or S.
-    share : (n_components,) float
-        Parts of the whole, summing to 1; or all 1 for "each component the whole".
-    size : (n_components,) int
-        Items in each: no component gets more clusters than items.
-
-    Returns
-    -------
-    count : (n_components,) int64
-        At least 1 each, so that many components can exceed the total.
-    """
-    return np.clip(np.rint(total * share), 1, size).astype(np.int64)
+__all__ = ["felzenszwalb_members", "k_medoids_members", "merge_flat"]
 
 
 def k_medoids_members(
@@ -67,7 +46,7 @@ def k_medoids_members(
         Run i works on ``distances[i % len(distances)]``. ``inf`` between components, which are therefore
         clustered apart, each with its share of k.
     share : (n_components,) float
-        See `allocate`.
+        Of `allocation.component_shares`.
     k_range : (least, most)
     n_runs : int
     init : str

@@ -11,21 +11,21 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import sparse
 
 from scenewidget.engine.checks import checked_whole
+from scenewidget.engine.consensus import CoAssociation
 from scenewidget.engine.evidence import agreement_behind, calibrated
+from scenewidget.engine.finish import connected_pieces
+from scenewidget.engine.items import Items
+from scenewidget.engine.linkage import cut_tree
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.engine.segmentation import Segmentation, order_by_area
 
-if TYPE_CHECKING:
-    from scenewidget.engine.consensus import CoAssociation
-    from scenewidget.engine.items import Items
+__all__ = ["Family", "fine_pieces", "make_family"]
 
-__all__ = ["Family", "make_family"]
+FINE_SIMILARITY = 0.9  # what so many of the runs put together is one piece of the finest cut
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +53,7 @@ class Family:
     _agreement: FloatArray  # (n_base, most) float32, a piece's area times its mean co-association
     _areas: FloatArray  # (most,) of the items of each piece
     _face_areas: FloatArray  # (most,) of the faces of each piece
+    _items: Items
 
     def __post_init__(self) -> None:
         for value in vars(self).values():
@@ -113,8 +114,8 @@ class Family:
         item_labels = np.append(dense, -1)[self.piece]
         before = self._mean_agreement(self.groups(run.n_segments))
         ratio = self._mean_agreement(group) / np.maximum(before, 1e-12)
-        factor = np.append(ratio, 0.0).astype(np.float32)[run.face_map]
-        labels = np.append(item_labels, np.int32(-1))[run.face_map]
+        factor = self._items.to_faces(ratio.astype(np.float32), 0.0)
+        labels = self._items.to_faces(item_labels, -1)
         return dataclasses.replace(
             run,
             labels=labels,
@@ -134,8 +135,22 @@ class Family:
         return np.asarray(total[self._base, index[self.piece]])
 
 
+def fine_pieces(items: Items, co: CoAssociation, tree: FloatArray) -> IntArray:
+    """(n_items,) int32 connected pieces that nine tenths of the runs put together.
+
+    Parameters
+    ----------
+    items : Items
+    co : CoAssociation
+        Of the items.
+    tree : (n_base − 1, 4) float64
+        `average_linkage` of its base segments.
+    """
+    return connected_pieces(cut_tree(tree, similarity=FINE_SIMILARITY)[co.base], items.pairs)
+
+
 def make_family(
-    segmentation: Segmentation, fine: IntArray, co: CoAssociation, *, smallest: float = 0.0
+    segmentation: Segmentation, fine: IntArray, co: CoAssociation, *, min_area: float = 0.0
 ) -> Family:
     """The nested family that runs through a segmentation.
 
@@ -147,7 +162,7 @@ def make_family(
         Finished labels of a finer cut. Pieces are what is one segment in it and in ``segmentation``.
     co : CoAssociation
         Of the items.
-    smallest : float
+    min_area : float
         Smaller pieces (m²) go to the piece of their segment that they agree with most, neighbours first.
 
     Returns
@@ -170,12 +185,12 @@ def make_family(
     bonds = _bonds(items, co, piece)
     home = np.zeros(len(bonds.area), dtype=np.int64)
     home[piece[keep]] = run[keep]
-    is_crumb = bonds.area < smallest
+    is_crumb = bonds.area < min_area
     is_crumb |= np.bincount(piece[keep], n_faces[keep], len(home)) == 0
     for crumb in np.flatnonzero(is_crumb)[np.argsort(bonds.area[is_crumb], kind="stable")]:
         kin = (home == home[crumb]) & bonds.is_there
         kin[crumb] = False
-        if (bonds.area[crumb] < smallest or n_faces[piece == crumb].sum() == 0) and kin.any():
+        if (bonds.area[crumb] < min_area or n_faces[piece == crumb].sum() == 0) and kin.any():
             into = int(np.argmax(np.where(kin, bonds.closeness(crumb), -np.inf)))
             bonds.merge(into, int(crumb))
             piece[piece == crumb] = into
@@ -183,10 +198,7 @@ def make_family(
     kept, dense = np.unique(piece[keep], return_inverse=True)
     piece[keep] = dense
     bonds, home = bonds.take(kept), home[kept]
-    member = sparse.csr_array(
-        (items.areas[keep], (co.base[keep], piece[keep])), shape=(len(co.weights), len(kept))
-    )
-    agreement = np.asarray((member.T @ co.C).T, dtype=np.float32)
+    agreement = co.with_groups(piece, items.areas, len(kept)).astype(np.float32)
     areas = bonds.area.copy()
     within = _agglomerate(bonds, lambda i, others: home[others] == home[i])
     among = _agglomerate(bonds, lambda i, others: bonds.touches[i, others] & (bonds.mean(i)[others] > 0))
@@ -200,6 +212,7 @@ def make_family(
         agreement,
         areas,
         np.bincount(piece[keep], seen[keep], len(kept)).astype(np.float64),
+        items,
     )
 
 
@@ -235,13 +248,10 @@ class _Bonds:
 
 def _bonds(items: Items, co: CoAssociation, piece: IntArray) -> _Bonds:
     n, keep = int(piece.max(initial=-1)) + 1, piece >= 0
-    weights = (items.areas[keep], (co.base[keep], piece[keep]))
-    member = sparse.csr_array(weights, shape=(len(co.weights), n))
-    total = np.asarray(member.T @ np.asarray((member.T @ co.C).T))  # dense (n_pieces, n_pieces)
-    ends = piece[items.pairs]
-    ends = ends[(ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)]
+    total = co.between(piece, items.areas, n)  # dense (n_pieces, n_pieces)
+    one, other = items.touching(piece).labels.T
     touches = np.zeros((n, n), dtype=bool)
-    touches[ends[:, 0], ends[:, 1]] = touches[ends[:, 1], ends[:, 0]] = True
+    touches[one, other] = touches[other, one] = True
     area = np.bincount(piece[keep], items.areas[keep], n).astype(np.float64)
     return _Bonds(total, touches, area, np.ones(n, dtype=bool))
 

@@ -1,19 +1,137 @@
 """From a partition of the items to segments that a person would draw.
 
-Goes in: labels of the consensus. Come out: connected pieces (thesis 3.5), and beyond the thesis, crumbs given
-to their neighbour. What makes walls and floors whole is in `hull`, what parts a carpet from its floor in
-`relief`.
+Goes in: labels of the consensus. Come out: connected pieces (thesis 3.5), and beyond the thesis, in this
+order: walls and floors made whole (`hull`), what stands out of them parted (`relief`), crumbs given to their
+neighbour, and pieces of one thing joined (`furniture`).
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from scenewidget.engine.atoms import by_first_appearance
+from scenewidget.engine.consensus import CoAssociation, confidence
+from scenewidget.engine.furniture import join_furniture
+from scenewidget.engine.hull import join_planes
 from scenewidget.engine.items import Items
-from scenewidget.engine.mesh import IntArray, connected_components
+from scenewidget.engine.memo import Recall, compute
+from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
+from scenewidget.engine.monitor import SILENT, Monitor
+from scenewidget.engine.relief import separate_reliefs, separate_tints
 
-__all__ = ["absorb_small", "connected_pieces"]
+__all__ = ["Finished", "absorb_small", "connected_pieces", "finish", "tidied"]
+
+
+@dataclass(frozen=True, eq=False)
+class Finished:
+    """Segments of the items.
+
+    Attributes
+    ----------
+    labels : (n_items,) int32
+        Dense.
+    confidence : (n_items,) float64
+        Probability that an item and its segment are one thing, as the consensus left them.
+    """
+
+    labels: IntArray
+    confidence: FloatArray
+
+
+def finish(
+    items: Items,
+    co: CoAssociation,
+    consensus: IntArray,
+    *,
+    planes: bool = True,
+    relief: float = 0.008,
+    contrast: float = 0.15,
+    min_area: float = 0.02,
+    furniture: float = 0.4,
+    n_threads: int = 2,
+    recall: Recall = compute,
+    monitor: Monitor | None = None,
+) -> Finished:
+    """Segments of the items from the consensus, and how far to trust them.
+
+    Parameters
+    ----------
+    items : Items
+    co : CoAssociation
+        Of the items.
+    consensus : (n_base,) int
+        Label of each base segment.
+    planes, relief, contrast, min_area, n_threads, recall
+        See `tidied`.
+    furniture : float
+        Mean co-association down to which `join_furniture` joins; 1 joins none.
+    monitor : Monitor, optional
+    """
+    pieces = connected_pieces(consensus[co.base], items.pairs)
+    labels = tidied(
+        items,
+        pieces,
+        planes=planes,
+        relief=relief,
+        contrast=contrast,
+        min_area=min_area,
+        n_threads=n_threads,
+        recall=recall,
+        monitor=monitor,
+    )
+    if furniture < 1:
+        labels = join_furniture(items, labels, co, similarity=furniture)
+    return Finished(labels, confidence(co, pieces))
+
+
+def tidied(
+    items: Items,
+    labels: IntArray,
+    *,
+    planes: bool,
+    relief: float,
+    contrast: float,
+    min_area: float,
+    n_threads: int = 2,
+    recall: Recall = compute,
+    monitor: Monitor | None = None,
+) -> IntArray:
+    """Pieces of one wall joined, then what stands out of it parted, then crumbs absorbed.
+
+    Parameters
+    ----------
+    items : Items
+    labels : (n_items,) int32
+        Dense.
+    planes : bool
+        Whether `join_planes` joins.
+    relief, contrast : float
+        Least step of `separate_reliefs` and `separate_tints`; 0 parts nothing.
+    min_area : float
+        Of `absorb_small`; 0 absorbs nothing.
+    n_threads : int
+        Doesn't change the result.
+    recall : Recall
+        Where to remember maps of walls, for other labels of the same items.
+    monitor : Monitor, optional
+
+    Returns
+    -------
+    labels : (n_items,) int32
+        Dense.
+    """
+    monitor = monitor or SILENT
+    if planes:
+        labels = join_planes(items, labels)
+    monitor.tick()
+    if relief > 0:
+        labels = separate_reliefs(items, labels, step=relief, n_threads=n_threads, recall=recall)
+    monitor.tick()
+    if contrast > 0:
+        labels = separate_tints(items, labels, contrast=contrast, n_threads=n_threads, recall=recall)
+    return absorb_small(items, labels, min_area) if min_area > 0 else labels
 
 
 def connected_pieces(labels: IntArray, pairs: IntArray) -> IntArray:
@@ -37,7 +155,7 @@ def connected_pieces(labels: IntArray, pairs: IntArray) -> IntArray:
     return out
 
 
-def absorb_small(items: Items, labels: IntArray, smallest: float) -> IntArray:
+def absorb_small(items: Items, labels: IntArray, min_area: float) -> IntArray:
     """Give segments below an area to the neighbour that they share most of their seam with.
 
     Parameters
@@ -45,7 +163,7 @@ def absorb_small(items: Items, labels: IntArray, smallest: float) -> IntArray:
     items : Items
     labels : (n,) int32
         Dense.
-    smallest : float
+    min_area : float
         Square metres. Segments without any neighbour stay.
 
     Returns
@@ -57,15 +175,14 @@ def absorb_small(items: Items, labels: IntArray, smallest: float) -> IntArray:
     while True:
         n = int(labels.max(initial=-1)) + 1
         area = np.bincount(labels[labels >= 0], items.areas[labels >= 0], n)
-        ends = labels[items.pairs]
-        crossing = (ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)
-        both = np.concatenate([ends[crossing], ends[crossing][:, ::-1]])
-        length = np.tile(items.seam_edges[crossing], 2)
+        borders = items.touching(labels)
+        both = np.concatenate([borders.labels, borders.labels[:, ::-1]])
+        length = np.tile(borders.seam_edges, 2)
         # towards larger segments only (ties by number), so that no two are given to each other
         up = (area[both[:, 1]] > area[both[:, 0]]) | (
             (area[both[:, 1]] == area[both[:, 0]]) & (both[:, 1] < both[:, 0])
         )
-        up &= area[both[:, 0]] < smallest
+        up &= area[both[:, 0]] < min_area
         if not up.any():
             break
         code, inverse = np.unique(both[up, 0] * n + both[up, 1], return_inverse=True)

@@ -7,17 +7,14 @@ wall leaves a sofa in pieces. Not in the thesis.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from scipy import sparse
 
+from scenewidget.engine.atoms import renumbered
+from scenewidget.engine.consensus import CoAssociation
 from scenewidget.engine.hull import segment_planes
 from scenewidget.engine.items import Items
-from scenewidget.engine.mesh import FloatArray, IntArray
-
-if TYPE_CHECKING:
-    from scenewidget.engine.consensus import CoAssociation
+from scenewidget.engine.mesh import IntArray
 
 __all__ = ["join_furniture"]
 
@@ -50,17 +47,18 @@ def join_furniture(
     labels : (n_items,) int32
         Dense, in the order of the labels given.
     """
-    ends = labels[items.pairs]
-    crossing = (ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)
-    touching, index = np.unique(ends[crossing], return_inverse=True)  # the others can't join anything
+    borders = items.touching(labels)
+    touching, index = np.unique(borders.labels, return_inverse=True)  # the others can't join anything
     n = len(touching)
     if n == 0:
         return labels
     index = index.reshape(-1, 2)
-    edges = items.seam_edges[crossing].astype(np.float64)
+    edges = borders.seam_edges.astype(np.float64)
     seam = sparse.coo_array((edges, tuple(index.T)), shape=(n, n)).toarray()  # dense (n, n)
     seam += seam.T
-    agreement, area = _agreement(items, labels, co, touching)
+    group = np.where(np.isin(labels, touching), np.searchsorted(touching, labels), -1)
+    area = np.maximum(np.bincount(group[group >= 0], items.areas[group >= 0], n), 1e-300)
+    agreement = co.between(group, items.areas, n) / np.outer(area, area)
     is_free = ~segment_planes(items, labels).is_hull[touching]
     group = np.arange(n)
     while True:
@@ -80,18 +78,4 @@ def join_furniture(
         group[group == j] = i
     joined = np.arange(int(labels.max()) + 1)
     joined[touching] = touching[group]
-    _, dense = np.unique(joined, return_inverse=True)
-    return np.append(dense, -1)[labels].astype(np.int32)  # label −1 is the last entry
-
-
-def _agreement(
-    items: Items, labels: IntArray, co: CoAssociation, segments: IntArray
-) -> tuple[FloatArray, FloatArray]:
-    """(n, n) mean co-association of some segments by area, and (n,) their areas."""
-    keep = np.flatnonzero(np.isin(labels, segments))
-    segment = np.searchsorted(segments, labels[keep])
-    entries = (items.areas[keep], (co.base[keep], segment))
-    member = sparse.csr_array(entries, shape=(len(co.weights), len(segments)))
-    area = np.maximum(np.bincount(segment, items.areas[keep], len(segments)), 1e-300)
-    total = np.asarray(member.T @ np.asarray((member.T @ co.C).T))
-    return total / np.outer(area, area), area
+    return renumbered(joined, labels)

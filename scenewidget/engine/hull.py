@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 from scipy.spatial import cKDTree
 
+from scenewidget.engine.atoms import renumbered
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 
@@ -206,8 +207,7 @@ def _joined(
         joins |= is_free & (facing < -PARALLEL) & (offset < 0) & (offset > -shell)
         group[joins] = s
         is_free &= ~joins
-    _, dense = np.unique(group, return_inverse=True)
-    return np.append(dense, -1)[labels].astype(np.int32)  # label −1 is the last entry
+    return renumbered(group, labels)
 
 
 def _follow(

@@ -11,12 +11,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from scenewidget.engine.features import vertex_to_face
 from scenewidget.engine.felzenszwalb import felzenszwalb
 from scenewidget.engine.mesh import (
     BoolArray,
@@ -31,7 +33,25 @@ from scenewidget.engine.moments import Moments, face_moments, moment_origin
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.preprocess import filter_normals, simplify
 
-__all__ = ["Items", "find_bridges", "simplified_items", "superfacet_items"]
+__all__ = ["Items", "Touching", "find_bridges", "simplified_items", "superfacet_items"]
+
+T = TypeVar("T", bound=np.generic)
+
+
+@dataclass(frozen=True, eq=False)
+class Touching:
+    """Pairs of neighbouring items whose labels differ.
+
+    Attributes
+    ----------
+    labels : (n_touching, 2) int
+        Of the two, in the order of ``Items.pairs``; two labels that touch in several places come as often.
+    seam_edges : (n_touching,) int64
+        Number of edges of the mesh along which the two items meet.
+    """
+
+    labels: IntArray
+    seam_edges: IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,6 +157,43 @@ class Items:
     def component(self) -> IntArray:
         """(n,) int32 connected component of each item."""
         return connected_components(self.n, self.pairs)[1]
+
+    def to_faces(self, values: npt.NDArray[T], fill: float) -> npt.NDArray[T]:
+        """(n_raw_faces,) the value of its item for each face of the mesh as loaded, ``fill`` where dropped.
+
+        Parameters
+        ----------
+        values : (n,)
+        fill : number
+        """
+        return np.append(values, np.asarray(fill, values.dtype))[self.face_map]  # item −1 is the last entry
+
+    def from_vertices(self, values: FloatArray) -> FloatArray:
+        """(n, d) of each item: mean of a face's corners, then the area-weighted mean over its faces.
+
+        Parameters
+        ----------
+        values : (mesh.n_vertices, d) float
+        """
+        by_face = vertex_to_face(self.mesh, values)
+        keep = self.item_of_face >= 0
+        item, area = self.item_of_face[keep], self.mesh.face_areas[keep]
+        if len(item) == self.n:
+            return by_face[keep][np.argsort(item)]
+        sums = np.stack([np.bincount(item, area * column[keep], self.n) for column in by_face.T], axis=1)
+        return np.asarray(sums / np.where(self.areas > 0, self.areas, 1.0)[:, None])
+
+    def touching(self, labels: IntArray) -> Touching:
+        """Where items of different labels are neighbours; items in no segment don't count.
+
+        Parameters
+        ----------
+        labels : (n,) int
+            −1 for items in no segment.
+        """
+        ends = labels[self.pairs]
+        crossing = (ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)
+        return Touching(ends[crossing], self.seam_edges[crossing])
 
 
 def simplified_items(mesh: Mesh, pairs: IntArray, *, monitor: Monitor | None = None, **options: Any) -> Items:

@@ -1,6 +1,7 @@
 """Which side of the surface is free space, and whether the coordinates are metres.
 
-Goes in: items of a mesh. Come out: items whose normals point into the room, and remarks on what was found.
+Goes in: a mesh, or items of one. Come out: items whose normals point into the room, remarks on what was
+found, and a warning where neighbouring faces don't agree on the side.
 Whether an edge is convex, and what is a wall, depends on the side; thresholds are in metres.
 """
 
@@ -13,14 +14,16 @@ import numpy as np
 
 from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.items import Items
+from scenewidget.engine.mesh import IntArray, Mesh
 
-__all__ = ["Orientation", "facing", "oriented"]
+__all__ = ["Orientation", "facing", "oriented", "warn_of_mixed_winding"]
 
 Orientation = Literal["auto", "as given", "turned"]
 
 CLEAR = 0.2  # rooms have 0.44 to 0.68, a ball from outside −1
 ROOM = 2.2  # metres; smaller things are looked at from outside
 FEWEST, MOST = 0.02, 300.0  # metres across; less or more is likely to be another unit
+MIXED = 0.02  # share of edges; scans have up to 0.004, where more than two faces meet
 
 
 def facing(items: Items) -> float:
@@ -79,3 +82,29 @@ def oriented(items: Items, orientation: Orientation = "auto") -> Items:
         found = "object, seen from outside"
     normals = -items.normals if turns else items.normals
     return dataclasses.replace(items, normals=normals, report={**items.report, "orientation": found})
+
+
+def warn_of_mixed_winding(mesh: Mesh, pairs: IntArray) -> None:
+    """Say so where faces run through a common edge in one direction: they look to different sides.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    pairs : (n_pairs, 2) int32
+        `face_adjacency` of the mesh.
+
+    Warns
+    -----
+    UserWarning
+        More than 2 % of the pairs, of which some 50 000 are looked at, are wound against each other.
+    """
+    sample = pairs[:: max(1, len(pairs) // 50_000)]
+    first, second = mesh.vertices[mesh.faces[sample]].transpose(1, 0, 2, 3)
+    is_same = (first[:, :, None] == second[:, None]).all(axis=3)  # corner i of one is corner j of the other
+    is_mixed = (is_same & np.roll(is_same, -1, axis=(1, 2))).any(axis=(1, 2))
+    if is_mixed.any() and is_mixed.mean() > MIXED:
+        warn_caller(
+            f"at {is_mixed.mean():.0%} of the edges the two faces look to different sides of the surface, "
+            "and creases may be found where there are none; wind the faces the same way first, as "
+            "trimesh.repair.fix_winding does"
+        )

@@ -13,21 +13,21 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, TypeVar, get_args
 
+from scenewidget.engine.allocation import Allocation
 from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.consensus import Leftover
-from scenewidget.engine.ensemble import Allocation
 from scenewidget.engine.kmedoids import Init
 from scenewidget.engine.orientation import Orientation
 from scenewidget.engine.preprocess import Simplifier
 
-__all__ = ["Consensus", "Feature", "ItemKind", "Params"]
+__all__ = ["CHOICES", "Consensus", "Feature", "ItemKind", "Params"]
 
 ItemKind = Literal["superfacets", "simplified"]
 Feature = Literal["normals", "cotangent", "uniform", "gps", "hks", "wks"]
 Consensus = Literal["peac", "linkage", "median"]
 _T = TypeVar("_T")
 
-_CHOICES: dict[str, tuple[Any, ...]] = {
+CHOICES: dict[str, tuple[Any, ...]] = {  # what options that are one of a few words can be
     "items": get_args(ItemKind),
     "simplifier": get_args(Simplifier),
     "orientation": get_args(Orientation),
@@ -279,9 +279,9 @@ class Params:
 
     @staticmethod
     def _checked(name: str, value: Any) -> Any:
-        if name in _CHOICES:
-            if value not in _CHOICES[name]:
-                options = ", ".join(map(repr, _CHOICES[name]))
+        if name in CHOICES:
+            if value not in CHOICES[name]:
+                options = ", ".join(map(repr, CHOICES[name]))
                 raise ValueError(f"{name} must be one of {options}, got {value!r}")
             return value
         if name in ("merge", "join_planes"):

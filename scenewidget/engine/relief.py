@@ -12,15 +12,16 @@ import heapq
 import itertools
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from weakref import WeakKeyDictionary
 
 import numba
 import numpy as np
 from scipy import ndimage
 
-from scenewidget.engine.consensus import average_linkage, co_association, cut_tree
+from scenewidget.engine.consensus import co_association
 from scenewidget.engine.hull import segment_planes
 from scenewidget.engine.items import Items
+from scenewidget.engine.linkage import average_linkage, cut_tree
+from scenewidget.engine.memo import Recall, compute
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 
 __all__ = ["separate_reliefs", "separate_tints"]
@@ -36,18 +37,16 @@ RIM = 1  # cells; an item that nowhere holds a square of 2 RIM + 1 cells is narr
 SURROUNDED = 0.5  # of its outline, along which a region borders on its wall: a shifted part lies at the edge
 DOUBT = 2.5  # steps over the root of a seam's cells: long seams are decided first
 
-# Of the walls as they were last time, by their items: another S leaves most walls as they are. A few MB.
-_LAST_MAPS: WeakKeyDictionary[Items, dict[tuple[bytes, bool, float], list[_Map]]] = WeakKeyDictionary()
-
 
 def separate_reliefs(
     items: Items,
     labels: IntArray,
     *,
     step: float = 0.008,
-    smallest: float = 0.1,
+    min_area: float = 0.1,
     cell: float = 0.03,
     n_threads: int = 2,
+    recall: Recall = compute,
 ) -> IntArray:
     """Part what stands out of walls, floor and ceiling by a step.
 
@@ -61,19 +60,21 @@ def separate_reliefs(
         Dense.
     step : float
         Least mean height of the step, or of the ridge, along a region's seam, metres.
-    smallest : float
+    min_area : float
         Least area of such a region, m².
     cell : float
         Side of the map's cells, metres; more where faces are larger.
     n_threads : int
         Doesn't change the result.
+    recall : Recall
+        Where to remember the maps of walls: other labels of the same items leave most walls as they are.
 
     Returns
     -------
     labels : (n_items,) int32
         Dense.
     """
-    return _separated(items, labels, None, step, smallest, cell, n_threads)
+    return _separated(items, labels, None, step, min_area, cell, n_threads, recall)
 
 
 def separate_tints(
@@ -81,9 +82,10 @@ def separate_tints(
     labels: IntArray,
     *,
     contrast: float = 0.15,
-    smallest: float = 0.1,
+    min_area: float = 0.1,
     cell: float = 0.03,
     n_threads: int = 2,
+    recall: Recall = compute,
 ) -> IntArray:
     """Part what differs in tint from the wall, floor or ceiling round it; nothing where there are no colours.
 
@@ -96,7 +98,7 @@ def separate_tints(
         Dense.
     contrast : float
         Least mean step of a tint, or of a stripe, along a region's seam.
-    smallest, cell, n_threads
+    min_area, cell, n_threads, recall
         As there.
 
     Returns
@@ -105,7 +107,9 @@ def separate_tints(
         Dense.
     """
     tints = items.face_tints
-    return labels if tints is None else _separated(items, labels, tints, contrast, smallest, cell, n_threads)
+    if tints is None:
+        return labels
+    return _separated(items, labels, tints, contrast, min_area, cell, n_threads, recall)
 
 
 def _separated(
@@ -113,9 +117,10 @@ def _separated(
     labels: IntArray,
     values: FloatArray | None,
     step: float,
-    smallest: float,
+    min_area: float,
     cell: float,
     n_threads: int,
+    recall: Recall,
 ) -> IntArray:
     """Regions parted by (n_values, n_faces) values of the faces; by their heights over the wall for None."""
     planes = segment_planes(items, labels)
@@ -126,20 +131,18 @@ def _separated(
     walls = [members for members in walls if len(members)]
     if not walls:
         return labels
-    last = _LAST_MAPS.get(items, {})
-    keys = [(members.tobytes(), values is None, cell) for members in walls]
+    kind = "heights" if values is None else "tints"
 
-    def draw(key: tuple[bytes, bool, float], members: IntArray) -> list[_Map]:
-        return last.get(key) or _maps(_points(items, members, values), cell)
+    def maps_of(members: IntArray) -> list[_Map]:
+        key = ("wall map", kind, cell, members.tobytes())
+        return recall(key, lambda: _maps(_points(items, members, values), cell))
 
     with ThreadPoolExecutor(n_threads) as pool:
-        maps = list(pool.map(draw, keys, walls))
-        others = {key: known for key, known in last.items() if key[1] != (values is None)}
-        _LAST_MAPS[items] = others | dict(zip(keys, maps))
+        maps = list(pool.map(maps_of, walls))
         uneven = _unevenness([seams for wall in maps for _, _, seams in wall])
         steps = np.maximum(step, UNEVEN * uneven)
         reliefs = pool.map(
-            lambda members, wall: _reliefs(items.areas, members, wall, steps, smallest), walls, maps
+            lambda members, wall: _reliefs(items.areas, members, wall, steps, min_area), walls, maps
         )
         labels = labels.copy()
         for label, relief in enumerate(itertools.chain.from_iterable(reliefs), len(planes.areas)):
@@ -159,7 +162,7 @@ def _unevenness(seams: list[_Seams]) -> FloatArray:
 
 
 def _reliefs(
-    areas: FloatArray, members: IntArray, maps: list[_Map], steps: FloatArray, smallest: float
+    areas: FloatArray, members: IntArray, maps: list[_Map], steps: FloatArray, min_area: float
 ) -> list[IntArray]:
     """Items of each region that stands out of the wall.
 
@@ -167,18 +170,18 @@ def _reliefs(
     accumulation as in `consensus`.
     """
     keys = [
-        _regions(areas, item, whole, seams.in_units_of(steps), smallest)[members]
+        _regions(areas, item, whole, seams.in_units_of(steps), min_area)[members]
         for item, whole, seams in maps
     ]
     co = co_association(np.stack(keys, axis=1), areas[members], n_threads=1)
     region = cut_tree(average_linkage(co.C, co.weights), similarity=0.5)[co.base]
     area = np.bincount(region, areas[members])
-    is_relief = area >= smallest
+    is_relief = area >= min_area
     is_relief[area.argmax()] = False
     return [members[region == r] for r in np.flatnonzero(is_relief)]
 
 
-def _regions(areas: FloatArray, item: IntArray, whole: IntArray, seams: _Seams, smallest: float) -> IntArray:
+def _regions(areas: FloatArray, item: IntArray, whole: IntArray, seams: _Seams, min_area: float) -> IntArray:
     """(n_items,) 1 and up for regions that stand out of the wall on one grid, 0 for all else."""
     roots = _merged(int(whole.max()) + 1, seams)
     cells = np.where(whole >= 0, roots[whole], -1)
@@ -189,7 +192,7 @@ def _regions(areas: FloatArray, item: IntArray, whole: IntArray, seams: _Seams, 
     ends = roots[seams.pairs]
     is_between = ends[:, 0] != ends[:, 1]
     out = np.zeros(len(areas), dtype=np.int32)
-    for r in np.flatnonzero(area >= smallest).tolist():
+    for r in np.flatnonzero(area >= min_area).tolist():
         around = is_between & (ends == r).any(axis=1)
         if r == main or surrounded[r] < SURROUNDED or not around.any():
             continue

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from scenewidget.engine.checks import warn_caller
+from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.moments import face_moments, moment_origin
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from scenewidget.engine.items import Items
-
-__all__ = ["Level", "Segmentation", "order_by_area"]
+__all__ = ["Level", "Segmentation", "order_by_area", "segmentation_of_items"]
 
 Level = Literal["dihedral", "base", "final"]
 LEVELS: tuple[Level, ...] = ("dihedral", "base", "final")
@@ -204,6 +204,66 @@ class Segmentation:
             },
             index=pd.RangeIndex(n, name="segment"),
         )
+
+
+def segmentation_of_items(
+    mesh: Mesh,
+    items: Items,
+    labels: IntArray,
+    confidence: FloatArray,
+    *,
+    dihedral: IntArray,
+    base: IntArray,
+    keys: IntArray,
+) -> Segmentation:
+    """What was found of the items, on the faces of the mesh as loaded.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        As loaded.
+    items : Items
+        Of this mesh.
+    labels, confidence : (n_items,)
+        Finished segments, and the probability of each.
+    dihedral : (items.mesh.n_faces,) int32
+        The level "dihedral", on the mesh that the items are made of.
+    base : (n_items,) int32
+        The level "base".
+    keys : (n_items, n_runs) int32
+        Cluster of each item in each run.
+
+    Warns
+    -----
+    UserWarning
+        Less than half of the faces have a label.
+    """
+    dense, kept = order_by_area(items.to_faces(labels, -1), mesh.face_areas)
+    if (dense >= 0).mean() < 0.5:
+        warn_caller(
+            f"only {(dense >= 0).mean():.1%} of the faces are labeled: the mesh is in many pieces, and most "
+            "were too small to keep (see report); weld it first, or use items='superfacets' with more "
+            "n_items"
+        )
+    rank = np.full(int(labels.max()) + 1, -1, dtype=np.int32)
+    rank[kept] = np.arange(len(kept), dtype=np.int32)
+    is_raw = items.mesh is mesh
+    return Segmentation(
+        mesh,
+        dense,
+        items.to_faces(confidence, 0.0).astype(np.float32),
+        levels={
+            # a face of the simplified mesh is an item, but one of the raw mesh is only a part of one
+            "dihedral": dihedral if is_raw else items.to_faces(dihedral, -1),
+            "base": items.to_faces(base, -1),
+        },
+        keys=keys[np.unique(base, return_index=True)[1]],
+        items=items,
+        item_labels=rank[labels],
+        face_map=items.face_map,
+        simplified=None if is_raw else items.mesh,
+        report=items.report,
+    )
 
 
 def order_by_area(labels: IntArray, areas: FloatArray) -> tuple[IntArray, IntArray]:

@@ -21,13 +21,13 @@ from scenewidget.engine.monitor import Cancelled
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import LEVELS, Segmentation
+from scenewidget.engine.stages import TITLES
 from scenewidget.evaluation import evaluate
 from scenewidget.metrics import quick_scores
 from scenewidget.palette import keep_colors
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scores import Scorer, disagreement, score_rows
 from scenewidget.widget.settings import params_code
-from scenewidget.widget.stages import STAGE_NAMES
 from scenewidget.widget.worker import Worker, checked_timeout
 
 if TYPE_CHECKING:
@@ -236,7 +236,7 @@ class Compare(widgets.VBox):
     def _show_progress(self, stage: str, fraction: float) -> None:
         view = self.views[self._at]
         with self._lock, view.hold_sync():
-            view.status, view.progress = STAGE_NAMES.get(stage, stage), fraction
+            view.status, view.progress = TITLES.get(stage, stage), fraction
 
     def _show_error(self, error: BaseException) -> None:
         with self._lock:

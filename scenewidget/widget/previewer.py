@@ -84,7 +84,7 @@ class Previewer:
     def _show(self, params: Params, epoch: int) -> None:
         try:
             items = self._pipeline.get("items", params)
-            labels, _ = self._pipeline.get("finish", params)
+            labels = self._pipeline.get("finish", params).labels
         except (ValueError, MemoryError):  # the full computation will say what is wrong
             items = None
         with self._lock:

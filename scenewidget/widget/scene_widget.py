@@ -26,13 +26,13 @@ from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import Segmentation
+from scenewidget.engine.stages import TITLES
 from scenewidget.widget.autosave import Autosave
 from scenewidget.widget.controls import ParamsControls
 from scenewidget.widget.edit_commands import EditCommands
 from scenewidget.widget.previewer import Previewer, preview_params
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scores import Scorer, score_rows
-from scenewidget.widget.stages import STAGE_NAMES
 from scenewidget.widget.suggestion_bar import SuggestionBar
 from scenewidget.widget.worker import Newest, Worker, checked_timeout
 
@@ -379,7 +379,7 @@ class SceneWidget(widgets.VBox):
 
     def _show_progress(self, stage: str, fraction: float) -> None:
         with self._lock, self.view.hold_sync():
-            self.view.status = STAGE_NAMES.get(stage, stage)
+            self.view.status = TITLES.get(stage, stage)
             self.view.progress = fraction
 
     def _show_result(self, params: Params, segmentation: Segmentation) -> None:

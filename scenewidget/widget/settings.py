@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from scenewidget.engine.params import _CHOICES, Params
+from scenewidget.engine.params import CHOICES, Params
 
 __all__ = ["PRESETS", "SETTINGS", "Setting", "changes_from", "idle_reasons", "nearest_preset", "params_code"]
 
@@ -41,7 +41,7 @@ class Setting:
         """As the browser takes it."""
         words = {"automaticValue" if k == "automatic_value" else k: v for k, v in vars(self).items()}
         if self.kind == "choice":
-            words["choices"] = [[value, _text(value)] for value in _CHOICES[self.name]]
+            words["choices"] = [[value, _text(value)] for value in CHOICES[self.name]]
         return {k: v for k, v in words.items() if v is not None or k == "automaticValue"}
 
 
@@ -141,7 +141,7 @@ FOLDED = (
 def _more(name: str, value: Any) -> Setting:
     """An input for an option that has no words of its own here yet."""
     label = name.replace("_", " ").capitalize()
-    kind: Kind = "choice" if name in _CHOICES else "check" if isinstance(value, bool) else "number"
+    kind: Kind = "choice" if name in CHOICES else "check" if isinstance(value, bool) else "number"
     return Setting(name, label, f"See help(Params): {name}.", kind, "More")
 
 

@@ -17,13 +17,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from scans import add_scan_option, read_scan
 
-from scenewidget.engine.consensus import (
-    average_linkage,
-    co_association,
-    cut_tree,
-    median_partition,
-    peac,
-)
+from scenewidget.engine.consensus import co_association, median_partition, peac
+from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
 
@@ -80,7 +75,7 @@ def main() -> None:
     problems = [(f"{n}", *random_ensemble(n, arguments.runs)) for n in arguments.base]
     problems += scan_ensembles(arguments.scan)
     for name, keys, areas in problems:
-        seconds_C, (C, weights, _, _) = timed(co_association, keys, areas)
+        seconds_C, (C, weights, _) = timed(co_association, keys, areas)
         seconds, first = timed(peac, C, weights, arguments.clusters)
         others = [
             peac(C, weights, arguments.clusters, init="dirichlet", n_seeds=0, seed=seed).objective

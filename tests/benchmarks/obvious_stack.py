@@ -22,9 +22,10 @@ sys.path.insert(0, str(Path(__file__).parent))
 from plain import alternate_k_medoids, greedy_peac
 from scans import add_scan_option, read_scan
 
-from scenewidget.engine.consensus import average_linkage, co_association, cut_tree, peac
+from scenewidget.engine.consensus import co_association, peac
 from scenewidget.engine.distances import all_pairs, edge_costs, edge_weights, weight_graph
 from scenewidget.engine.ensemble import k_medoids_members, merge_flat
+from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
 
@@ -86,7 +87,7 @@ def main() -> None:
         merge_flat(items, labels.astype(np.int32))
     plain["k-medoids and merging"] = (time.perf_counter() - start) * arguments.runs / arguments.plain_runs
     start = time.perf_counter()
-    C, a, _, _ = co_association(keys, items.areas)
+    C, a, _ = co_association(keys, items.areas)
     Y = np.full((50, len(C)), 0.1 / 50)
     Y[cut_tree(average_linkage(C, a), n_clusters=min(50, len(C))), np.arange(len(C))] += 0.9
     Y, violation, n_steps = greedy_peac(C, a, Y, max_steps=arguments.steps)

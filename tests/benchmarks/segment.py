@@ -22,7 +22,8 @@ from scans import add_scan_option, in_size, read_scan
 
 from scenewidget.engine.monitor import Cancelled
 from scenewidget.engine.params import Params
-from scenewidget.engine.pipeline import Pipeline, stages
+from scenewidget.engine.pipeline import Pipeline
+from scenewidget.engine.stages import stages
 
 PRESETS = {"default": Params(), "thesis": Params.thesis()}
 MOST_GIGABYTES = 6.0  # of distances
@@ -73,10 +74,10 @@ def cancel_latency(mesh, name: str) -> None:
     pipe, worst = Pipeline(mesh), {}
     for stage in stages(params):
         for need in stages(params)[stage].needs:
-            pipe.get(need, params)
-        before = pipe._memo.copy()
+            if need != "mesh":
+                pipe.get(need, params)
         for share in (0.0, 0.3, 0.6, 0.9):
-            pipe._memo = before.copy()
+            pipe._memo._values.pop(stages(params)[stage].key, None)  # where it had ended before the cancel
             asked = Request(stage, share * usual[stage])
             try:
                 pipe.get(stage, params, progress=asked.progress, cancel=asked.cancel)

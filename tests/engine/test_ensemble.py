@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scenewidget.engine.distances import all_pairs, edge_costs, weight_graph
-from scenewidget.engine.ensemble import allocate, felzenszwalb_members, k_medoids_members, merge_flat
+from scenewidget.engine.ensemble import felzenszwalb_members, k_medoids_members, merge_flat
 from scenewidget.engine.items import simplified_items
 from scenewidget.engine.kmedoids import INITS
 from scenewidget.engine.mesh import Mesh, face_adjacency
@@ -31,20 +31,6 @@ def members(items, **options):
 
 
 TWO_BOXES = shapes.joined(shapes.box(3), shapes.box(4), gap=3.0)
-
-
-@given(st.integers(1, 200), st.lists(st.integers(1, 30), min_size=1, max_size=8))
-def test_every_component_gets_one_to_as_many_clusters_as_it_has_items(total, sizes):
-    sizes = np.array(sizes)
-    count = allocate(total, sizes / sizes.sum(), sizes)
-    assert (count >= 1).all()
-    assert (count <= sizes).all()
-    inside = (count > 1) & (count < sizes)
-    assert (np.abs(count - total * sizes / sizes.sum())[inside] <= 0.5 + 1e-9).all()
-
-
-def test_same_gives_each_component_the_whole():
-    assert allocate(7, np.ones(3), np.array([100, 100, 5])).tolist() == [7, 7, 5]
 
 
 def test_a_cluster_never_spans_two_components():

@@ -7,9 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sklearn.metrics import adjusted_rand_score
 
-from scenewidget.engine.consensus import CoAssociation, average_linkage, co_association
+from scenewidget.engine.consensus import CoAssociation, co_association
 from scenewidget.engine.family import make_family
 from scenewidget.engine.items import Items
+from scenewidget.engine.linkage import average_linkage
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.moments import face_moments
 from scenewidget.engine.params import Params
@@ -145,7 +146,7 @@ def test_among_neighbours_only_it_is_average_linkage_weighted_by_area(seed, n):
     items = scattered(rng.uniform(0.5, 2.0, n))
     half = np.triu(rng.uniform(0.1, 0.9, (n, n)), 1)  # no ties
     C = half + half.T + np.eye(n)
-    co = CoAssociation(C, items.areas, np.arange(n, dtype=np.int32), np.ones_like(C))
+    co = CoAssociation(C, items.areas, np.arange(n, dtype=np.int32))
     segments = Segmentation(
         items.mesh, np.argsort(np.argsort(-items.areas)), items=items, face_map=items.face_map,
         item_labels=np.argsort(np.argsort(-items.areas)),
@@ -174,6 +175,6 @@ def test_crumbs_are_not_told_apart():
     co = co_association(np.array([[0, 0], [1, 1], [1, 1], [2, 2]]), items.areas)
     labels = np.array([0, 0, 0, 1])
     segments = Segmentation(items.mesh, labels, items=items, face_map=items.face_map, item_labels=labels)
-    family = make_family(segments, np.arange(4), co, smallest=0.02)
+    family = make_family(segments, np.arange(4), co, min_area=0.02)
     assert family.most == 3
     assert family.piece[2] == family.piece[1]

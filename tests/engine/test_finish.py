@@ -52,7 +52,7 @@ def test_a_crumb_goes_to_the_neighbour_with_most_of_its_seam():
     labels = np.where(column < 5, 0, 1).astype(np.int32)
     crumb = (column == 5) & (row < 3)  # three cells touch the left, four of its edges the right
     labels[crumb] = 2
-    merged = absorb_small(items, labels, smallest=0.05)
+    merged = absorb_small(items, labels, min_area=0.05)
     expected = np.where(column < 5, 0, 1)
     expected[crumb] = 1
     np.testing.assert_array_equal(together(merged), together(expected))
@@ -61,22 +61,22 @@ def test_a_crumb_goes_to_the_neighbour_with_most_of_its_seam():
 def test_segments_of_the_least_area_stay():
     items, column, _ = grid_items()
     labels = (column >= 5).astype(np.int32)
-    np.testing.assert_array_equal(absorb_small(items, labels, smallest=0.4), labels)
-    assert absorb_small(items, labels, smallest=0.0).max() == 1
+    np.testing.assert_array_equal(absorb_small(items, labels, min_area=0.4), labels)
+    assert absorb_small(items, labels, min_area=0.0).max() == 1
 
 
 def test_all_crumbs_end_in_one():
     items, _, _ = grid_items()
-    assert absorb_small(items, np.arange(items.n, dtype=np.int32), smallest=10.0).max() == 0
+    assert absorb_small(items, np.arange(items.n, dtype=np.int32), min_area=10.0).max() == 0
 
 
 def test_crumbs_without_a_neighbour_and_the_unlabeled_stay():
     mesh = shapes.joined(shapes.grid_square(4), shapes.triangle(), gap=5.0)
     items = faces_as_items(mesh)
     labels = items.component.copy()
-    np.testing.assert_array_equal(absorb_small(items, labels, smallest=100.0), labels)
+    np.testing.assert_array_equal(absorb_small(items, labels, min_area=100.0), labels)
     labels[:2] = -1
-    assert (absorb_small(items, labels, smallest=100.0)[:2] == -1).all()
+    assert (absorb_small(items, labels, min_area=100.0)[:2] == -1).all()
 
 
 @given(st.integers(0, 99), st.floats(0.005, 0.3))

@@ -189,7 +189,7 @@ def test_a_part_at_the_edge_is_no_relief_however_high_its_step():
 def test_small_things_and_what_is_not_of_the_hull_stay():
     items = floor(lambda x, y: 0.012 * carpet(x, y))
     nothing = np.zeros(items.n, np.int32)
-    assert separate_reliefs(items, nothing, smallest=2.0).max() == 0
+    assert separate_reliefs(items, nothing, min_area=2.0).max() == 0
     assert separate_reliefs(items, np.full(items.n, -1, np.int32)).max() == -1
     under, part = scene(items.mesh, sheet((0, 0, -0.5), (3, 3)))  # a table top: the floor lies behind it
     assert separate_reliefs(under, part).max() == 1

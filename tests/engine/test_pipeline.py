@@ -13,12 +13,13 @@ from hypothesis import strategies as st
 from sklearn.metrics import adjusted_rand_score
 from strategies import nasty_meshes
 
-from scenewidget.engine import pipeline
+from scenewidget.engine import stages as stage_table
 from scenewidget.engine.mesh import Mesh, MeshError
 from scenewidget.engine.monitor import Cancelled
 from scenewidget.engine.params import Params
-from scenewidget.engine.pipeline import Pipeline, segment, stages
+from scenewidget.engine.pipeline import Pipeline, segment
 from scenewidget.engine.segmentation import Segmentation
+from scenewidget.engine.stages import stages
 
 BLOB = Mesh(0.3 * shapes.blob(3).vertices, shapes.blob(3).faces)
 ROOM = shapes.joined(shapes.room(8, noise=0.003)[0], BLOB)  # something round: many superfacets
@@ -163,15 +164,15 @@ def test_the_memo_stays_within_its_bytes_and_counts_the_large_matrices(params):
     pipe = Pipeline(ROOM)
     pipe.run(params)
     n = pipe.get("items", params).n
-    assert sum(pipe._sizes.values()) > 4 * n * n + pipe.get("coassociation", params).C.nbytes
+    assert pipe._memo.n_bytes > 4 * n * n + pipe.get("coassociation", params).C.nbytes
     small = Pipeline(ROOM, memory=1e6)
     for seed in range(5):
         small.run(params.replace(seed=seed))
-        largest = max(small._sizes.values())
-        assert sum(small._sizes.values()) <= max(1e6, largest)
+        largest = max(small._memo._sizes.values())
+        assert small._memo.n_bytes <= max(1e6, largest)
     same(small.run(params), pipe.run(params))
     pipe.clear()
-    assert not pipe._memo
+    assert len(pipe._memo) == 0
 
 
 def test_results_are_freed_with_their_pipeline():
@@ -257,22 +258,13 @@ def test_two_threads_may_use_one_pipeline():
 def test_same_seed_same_labels_for_any_number_of_threads(params, monkeypatch):
     expected = segment(ROOM, params)
     for n_threads in (1, 2, 4):
-        monkeypatch.setattr(pipeline, "_n_threads", lambda n=n_threads: n)
+        monkeypatch.setattr(stage_table, "_n_threads", lambda n=n_threads: n)
         same(segment(ROOM, params), expected)
     other = segment(ROOM, params.replace(seed=1))
     assert not np.array_equal(other.level("base"), expected.level("base"))
 
 
 # --- asking for one stage -------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("allocation", "expected"), [("dihedral", [6 / 7, 1 / 7]), ("faces", [0.6, 0.4]), ("same", [1.0, 1.0])]
-)
-def test_clusters_are_shared_out_by_what_was_asked_for(allocation, expected):
-    mesh = shapes.joined(shapes.box(2), shapes.grid_square(4), gap=3.0)  # 48 faces on 6 sides, 32 on one
-    share = Pipeline(mesh).get("allocation", Params.thesis(allocation=allocation))
-    np.testing.assert_allclose(share, expected)
 
 
 def test_any_stage_can_be_asked_for():
@@ -296,7 +288,7 @@ def test_any_stage_can_be_asked_for():
     ],
 )
 def test_bad_arguments_are_refused_before_any_work(call, error, message, monkeypatch):
-    monkeypatch.setattr(pipeline, "_adjacency", lambda *_, **__: pytest.fail("work began"))
+    monkeypatch.setattr(stage_table, "_adjacency", lambda *_, **__: pytest.fail("work began"))
     with pytest.raises(error, match=message):
         call()
 

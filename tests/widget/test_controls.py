@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import scenewidget as sw
-from scenewidget.engine.pipeline import _key, stages
+from scenewidget.engine.stages import stages
 from scenewidget.widget.controls import ParamsControls
 from scenewidget.widget.settings import (
     PRESETS,
@@ -72,7 +72,7 @@ def test_an_option_that_no_stage_looks_at_is_said_to_have_no_effect(options):
         if name in OTHER_VALUES:
             continue  # these decide on the others
         changed = stages(params.replace(**{name: value}))
-        if _key(next(reversed(changed)), changed) == _key(next(reversed(table)), table):
+        if changed[next(reversed(changed))].key == table[next(reversed(table))].key:
             assert name in why, (name, options)
 
 

@@ -1,0 +1,438 @@
+"""Every step from a mesh to its segments, in order: the table that `segment` follows.
+
+Goes in: `Params`. Comes out: a `Stage` for each step that these parameters want. The steps stand below the
+table in the same order, each a call or two of the module that has its idea.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from scenewidget.engine.allocation import Allocation, component_shares
+from scenewidget.engine.consensus import (
+    CoAssociation,
+    Leftover,
+    co_association,
+    component_trees,
+    median_partition,
+    peac_by_component,
+)
+from scenewidget.engine.dihedral import dihedral_partition
+from scenewidget.engine.distances import (
+    MinPlusFactor,
+    edge_costs,
+    edge_weights,
+    warn_of_vanishing_features,
+    weight_graph,
+)
+from scenewidget.engine.ensemble import felzenszwalb_members, k_medoids_members
+from scenewidget.engine.family import Family, fine_pieces, make_family
+from scenewidget.engine.features import (
+    delta_coordinates,
+    global_point_signature,
+    heat_kernel_signature,
+    wave_kernel_signature,
+)
+from scenewidget.engine.finish import Finished, finish, tidied
+from scenewidget.engine.items import Items, simplified_items, superfacet_items
+from scenewidget.engine.kmedoids import Init
+from scenewidget.engine.linkage import average_linkage, cut_by_count, cut_tree
+from scenewidget.engine.memo import Recall
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, face_adjacency
+from scenewidget.engine.monitor import Monitor
+from scenewidget.engine.operators import Eigenbasis, eigenbasis
+from scenewidget.engine.orientation import Orientation, oriented, warn_of_mixed_winding
+from scenewidget.engine.params import Params
+from scenewidget.engine.segmentation import Segmentation, segmentation_of_items
+
+__all__ = ["TITLES", "Stage", "stages"]
+
+TITLES = {  # what people read while a step runs
+    "adjacency": "Finding neighbouring faces",
+    "items": "Gathering faces into items",
+    "dihedral": "Partitioning by dihedral angle",
+    "allocation": "Sharing out clusters over components",
+    "eigenbasis": "Solving for eigenfunctions",
+    "features": "Computing features",
+    "distances": "Measuring distances",
+    "graph_runs": "Segmenting the graph many times",
+    "ensemble": "Clustering many times",
+    "coassociation": "Comparing the clusterings",
+    "tree": "Building the consensus tree",
+    "trees": "Building the consensus trees",
+    "consensus": "Finding the consensus",
+    "finish": "Tidying segments up",
+    "segmentation": "Labelling every face",
+    "family": "Finding coarser and finer segments",
+    "granularity": "Choosing the granularity",
+}
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One step: what it is called, what it needs, and all the options that it can see.
+
+    Attributes
+    ----------
+    name : str
+        What `Pipeline.get`, ``timings`` and ``progress`` call it.
+    title : str
+        What people read while it runs.
+    run : callable
+        Called with the results of ``needs``, the options by their names, and ``monitor``.
+    needs : tuple of str
+        Steps above it in the table; "mesh" is the mesh as loaded.
+    options : tuple of (name, value)
+        All that it can see of the parameters.
+    key : hashable
+        Two steps on one mesh whose keys are equal have the same result: made of the name, the variant, the
+        options, and the keys of what it needs.
+    recalls : str
+        Where ``run`` also takes ``recall``, the step on whose result depends, beside the keys that ``run``
+        gives, what it computes in parts.
+    """
+
+    name: str
+    title: str
+    run: Callable[..., Any]
+    needs: tuple[str, ...]
+    options: tuple[tuple[str, Hashable], ...]
+    key: Hashable
+    recalls: str = ""
+
+
+def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
+    """The steps that these parameters want, in the order of the data flow; the last gives the `Segmentation`.
+
+    Parameters
+    ----------
+    params : Params
+    also : str
+        "eigenbasis" adds this step where nothing needs it, for teaching.
+
+    Returns
+    -------
+    table : dict of name to Stage
+    """
+    p = params
+    table: dict[str, Stage] = {}
+
+    def step(
+        name: str,
+        run: Callable[..., Any],
+        *needs: str,
+        variant: str = "",
+        recalls: str = "",
+        **options: Hashable,
+    ) -> None:
+        seen = tuple(options.items())
+        key = (name, variant, seen, tuple(table[need].key for need in needs if need != "mesh"))
+        table[name] = Stage(name, TITLES[name], run, needs, seen, key, recalls)
+
+    # fmt: off
+    step("adjacency", _adjacency, "mesh")
+    if p.items == "superfacets":
+        step("items", _superfacets, "mesh", "adjacency", variant="superfacets",
+             orientation=p.orientation, n_items=p.n_items, sweeps=p.filter_sweeps, bridge=p.bridge)
+    else:
+        step("items", _simplified, "mesh", "adjacency", variant="simplified",
+             orientation=p.orientation, n_faces=p.n_items, simplifier=p.simplifier)
+    step("dihedral", _dihedral, "items", n_slots=p.n_slots, order=p.dihedral_order)
+    step("allocation", _allocation, "items", "dihedral", allocation=p.allocation)
+
+    is_spectral, has_features = p.feature in SIGNATURES, p.feature != "normals"
+    if is_spectral or also == "eigenbasis":
+        step("eigenbasis", _eigenbasis, "items", k=p.n_eigenpairs, laplacian=p.laplacian)
+    if is_spectral:
+        step("features", _signatures, "items", "eigenbasis", variant="spectral", feature=p.feature)
+    elif has_features:
+        step("features", _delta, "items", variant="delta", feature=p.feature)
+    step("distances", _distances, "items", *["features"] * has_features,
+         a=p.cost_a, b=p.cost_b, exponent=p.cost_exponent, hop=p.hop,
+         feature_floor=p.feature_floor if has_features else 0.0,
+         convex_weights=p.convex_weights if p.n_runs else ())
+    if p.n_graph_runs:
+        step("graph_runs", _graph_runs, "items",
+             n_runs=p.n_graph_runs, exponent=p.cost_exponent, hop=p.hop, seed=p.seed)
+    step("ensemble", _ensemble, "items", "distances", "allocation", *["graph_runs"] * bool(p.n_graph_runs),
+         k_range=p.k_bounds, n_runs=p.n_runs, init=p.init, seed=p.seed,
+         merge=(p.merge_flatness, p.merge_normal, p.merge_seam) if p.merge else None)
+
+    step("coassociation", _coassociation, "items", "ensemble")
+    if p.consensus == "linkage":
+        step("tree", _tree, "coassociation")
+        step("consensus", _consensus_by_linkage, "coassociation", "tree", variant="linkage",
+             n_segments=p.n_segments, similarity=p.linkage_similarity if p.n_segments == "auto" else None)
+    elif p.consensus == "median":
+        step("consensus", _consensus_by_median, "coassociation", variant="median", seed=p.seed)
+    else:
+        step("trees", _trees, "coassociation", "items")
+        step("consensus", _consensus_by_peac, "coassociation", "items", "allocation", "trees", variant="peac",
+             n_segments=p.k_bounds[0] // 2 if p.n_segments == "auto" else p.n_segments,
+             leftover=p.leftover, seed=p.seed)
+    tidy: dict[str, Any] = {
+        "planes": p.join_planes, "relief": p.relief, "contrast": p.contrast, "min_area": p.min_area,
+    }
+    step("finish", _finish, "items", "coassociation", "consensus", recalls="items",
+         furniture=p.furniture_similarity, **tidy)
+    step("segmentation", _segmentation, "mesh", "items", "dihedral", "ensemble", "coassociation", "finish")
+    if p.granularity is not None:
+        if p.consensus != "linkage":
+            step("tree", _tree, "coassociation")
+        step("family", _family, "items", "coassociation", "tree", "segmentation", recalls="items", **tidy)
+        step("granularity", _granularity, "family", n_segments=p.granularity)
+    # fmt: on
+    return table
+
+
+# --- from the mesh to items -----------------------------------------------------------------------
+
+
+def _adjacency(mesh: Mesh, *, monitor: Monitor) -> IntArray:
+    pairs = monitor.call(face_adjacency, mesh)
+    warn_of_mixed_winding(mesh, pairs)
+    return pairs
+
+
+def _superfacets(
+    mesh: Mesh, pairs: IntArray, *, monitor: Monitor, orientation: Orientation, **options: Any
+) -> Items:
+    return oriented(superfacet_items(mesh, pairs, monitor=monitor, **options), orientation)
+
+
+def _simplified(
+    mesh: Mesh, pairs: IntArray, *, monitor: Monitor, orientation: Orientation, **options: Any
+) -> Items:
+    return oriented(simplified_items(mesh, pairs, monitor=monitor, **options), orientation)
+
+
+def _dihedral(items: Items, *, monitor: Monitor, n_slots: int, order: Any) -> IntArray:
+    return dihedral_partition(items.mesh, n_slots, order=order, monitor=monitor)
+
+
+def _allocation(items: Items, dihedral: IntArray, *, monitor: Monitor, allocation: Allocation) -> FloatArray:
+    return component_shares(items, dihedral, allocation)
+
+
+# --- features and distances -----------------------------------------------------------------------
+
+
+def _eigenbasis(items: Items, *, monitor: Monitor, k: int, laplacian: Any) -> Eigenbasis:
+    # one more than asked for: each component's zero mode is no signature
+    return eigenbasis(items.mesh, k + 1, laplacian=laplacian, per_component=True, monitor=monitor)
+
+
+SIGNATURES: dict[str, Callable[[Eigenbasis], FloatArray]] = {
+    "gps": global_point_signature,
+    "hks": heat_kernel_signature,
+    "wks": wave_kernel_signature,
+}
+
+
+def _signatures(items: Items, basis: Eigenbasis, *, monitor: Monitor, feature: str) -> FloatArray:
+    return items.from_vertices(SIGNATURES[feature](basis))
+
+
+def _delta(items: Items, *, monitor: Monitor, feature: Any) -> FloatArray:
+    return items.from_vertices(delta_coordinates(items.mesh, feature))
+
+
+def _distances(
+    items: Items,
+    features: FloatArray | None = None,
+    *,
+    monitor: Monitor,
+    a: float,
+    b: float,
+    exponent: float,
+    hop: float,
+    feature_floor: float,
+    convex_weights: tuple[float, ...],
+) -> tuple[Any, ...]:
+    """Between all items, (n, n) float32 for each of the convex weights."""
+    costs = edge_costs(items.normals, items.pairs, a=a, b=b, exponent=exponent)
+    steps = None
+    if features is not None:
+        steps = np.linalg.norm(features[items.pairs[:, 0]] - features[items.pairs[:, 1]], axis=1)
+        if feature_floor == 0.0:
+            warn_of_vanishing_features(steps, costs)
+    out = []
+    for alpha in convex_weights:
+        weights = edge_weights(
+            steps,
+            costs,
+            items.lengths,
+            feature_floor=feature_floor,
+            is_convex=items.is_convex,
+            convex_weight=alpha,
+            hop=hop,
+        )
+        factor = MinPlusFactor(weight_graph(items.n, items.pairs, weights))
+        out.append(factor.rows(np.arange(items.n), n_threads=_n_threads(), monitor=monitor))
+    return tuple(out)
+
+
+# --- the ensemble ---------------------------------------------------------------------------------
+
+
+def _graph_runs(
+    items: Items, *, monitor: Monitor, n_runs: int, exponent: float, hop: float, seed: int
+) -> IntArray:
+    return felzenszwalb_members(
+        items,
+        n_runs=n_runs,
+        cost_exponent=exponent,
+        hop=hop,
+        seed=seed,
+        n_threads=_n_threads(),
+        monitor=monitor,
+    )
+
+
+def _ensemble(
+    items: Items,
+    distances: tuple[Any, ...],
+    share: FloatArray,
+    graph_runs: IntArray | None = None,
+    *,
+    monitor: Monitor,
+    k_range: tuple[int, int],
+    n_runs: int,
+    init: Init,
+    seed: int,
+    merge: tuple[float, float, float] | None,
+) -> IntArray:
+    """(n_items, n_runs) cluster of each item in each run, those of k-medoids first."""
+    keys = [] if graph_runs is None else [graph_runs]
+    if n_runs:
+        runs = k_medoids_members(
+            items,
+            distances,
+            share,
+            k_range=k_range,
+            n_runs=n_runs,
+            init=init,
+            merge=None if merge is None else dict(zip(("flatness", "normal", "seam"), merge)),
+            seed=seed,
+            n_threads=_n_threads(),
+            monitor=monitor,
+        )
+        keys.insert(0, runs)
+    return np.concatenate(keys, axis=1)
+
+
+# --- the consensus --------------------------------------------------------------------------------
+
+
+def _coassociation(items: Items, keys: IntArray, *, monitor: Monitor) -> CoAssociation:
+    return co_association(keys, items.areas, n_threads=_n_threads())
+
+
+def _tree(co: CoAssociation, *, monitor: Monitor) -> FloatArray:
+    return average_linkage(co.C, co.weights)
+
+
+def _consensus_by_linkage(
+    co: CoAssociation, tree: FloatArray, *, monitor: Monitor, n_segments: Any, similarity: float | None
+) -> IntArray:
+    if n_segments == "auto":
+        return cut_tree(tree, similarity=similarity)
+    return cut_by_count(tree, co.weights, n_segments)
+
+
+def _consensus_by_median(co: CoAssociation, *, monitor: Monitor, seed: int) -> IntArray:
+    return median_partition(co.C, co.weights, seed=seed)
+
+
+def _trees(co: CoAssociation, items: Items, *, monitor: Monitor) -> tuple[FloatArray, ...]:
+    return component_trees(co, items.component, monitor=monitor)
+
+
+def _consensus_by_peac(
+    co: CoAssociation,
+    items: Items,
+    share: FloatArray,
+    trees: tuple[FloatArray, ...],
+    *,
+    monitor: Monitor,
+    n_segments: int,
+    leftover: Leftover,
+    seed: int,
+) -> IntArray:
+    return peac_by_component(
+        co, items.component, share, n_segments, trees=trees, leftover=leftover, seed=seed, monitor=monitor
+    )
+
+
+# --- from the consensus to segments ---------------------------------------------------------------
+
+
+def _finish(
+    items: Items,
+    co: CoAssociation,
+    consensus: IntArray,
+    *,
+    monitor: Monitor,
+    recall: Recall,
+    furniture: float,
+    **tidy: Any,
+) -> Finished:
+    return finish(
+        items,
+        co,
+        consensus,
+        furniture=furniture,
+        **tidy,
+        n_threads=_n_threads(),
+        recall=recall,
+        monitor=monitor,
+    )
+
+
+def _segmentation(
+    mesh: Mesh,
+    items: Items,
+    dihedral: IntArray,
+    keys: IntArray,
+    co: CoAssociation,
+    finished: Finished,
+    *,
+    monitor: Monitor,
+) -> Segmentation:
+    return segmentation_of_items(
+        mesh, items, finished.labels, finished.confidence, dihedral=dihedral, base=co.base, keys=keys
+    )
+
+
+def _family(
+    items: Items,
+    co: CoAssociation,
+    tree: FloatArray,
+    segmentation: Segmentation,
+    *,
+    monitor: Monitor,
+    recall: Recall,
+    min_area: float,
+    **tidy: Any,
+) -> Family:
+    fine = fine_pieces(items, co, tree)
+    fine = tidied(
+        items, fine, min_area=min_area, **tidy, n_threads=_n_threads(), recall=recall, monitor=monitor
+    )
+    return make_family(segmentation, fine, co, min_area=min_area)
+
+
+def _granularity(family: Family, *, monitor: Monitor, n_segments: int) -> Segmentation:
+    return family.cut(min(max(n_segments, family.least), family.most))
+
+
+def _n_threads() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
