@@ -13,14 +13,8 @@ const REST_MS = 120;
 
 /** @typedef {{ face_a: number, face_b: number }} Pair  the second one is on the side that is cut off */
 
-/**
- * @param {object} around
- * @param {import("../wire/wire.js").Model} around.model
- * @param {import("../labels/shown_segments.js").Labelling} around.labelling
- * @param {AbortSignal} around.signal
- * @param {{ onOffcut: () => void, onLook: () => void }} to  something else is to be shown; a look for a cut begins or ends
- */
-export function createCutting({ model, labelling, signal }, to) {
+/** @param {Pick<import("./messages.js").Around, "model" | "segments" | "send" | "signal">} around */
+export function createCutPreview({ model, segments, send, signal }) {
   const me = Math.random().toString(36).slice(2, 8);
   let n = 0;
   /** @type {Pair | null} */
@@ -34,29 +28,29 @@ export function createCutting({ model, labelling, signal }, to) {
 
   /** @param {number[]} faces */
   function show(faces) {
-    if (faces.length === 0 && labelling.offcut === null) return;
-    labelling.cutOff(faces);
-    to.onOffcut();
+    if (faces.length === 0 && segments.offcut === null) return;
+    segments.cutOff(faces);
+    send({ kind: "segments" });
   }
 
   function ask() {
-    if (!wanted || asked || labelling.pending.operations.length > 0) return;
+    if (!wanted || asked || segments.pending.operations.length > 0) return;
     asked = { request: `${me}${++n}`, pair: wanted, under };
     model.send({
       ...{ kind: "preview_cut", request: asked.request, ...wanted },
       revision: model.get("revision"),
     });
-    to.onLook();
+    send({ kind: "cut_sought" });
   }
 
   const onMessage = (/** @type {any} */ message, /** @type {any[]} */ buffers) => {
     if (message?.kind !== "cut_preview" || !asked || message.request !== asked.request) return;
     const { pair, under: before } = asked;
     asked = null;
-    const isOf = pair.face_a === wanted?.face_a && before === labelling.atomSegment;
+    const isOf = pair.face_a === wanted?.face_a && before === segments.atomSegment;
     if (isOf) show(facesOf(message.first, asBytes(buffers[0])));
     if (!isSame(pair, wanted)) ask();
-    if (!asked) to.onLook();
+    if (!asked) send({ kind: "cut_sought" });
   };
   on(model, "msg:custom", onMessage, signal);
   signal.addEventListener("abort", () => clearTimeout(timer));
@@ -73,11 +67,11 @@ export function createCutting({ model, labelling, signal }, to) {
      * @param {number | null} second
      */
     aim(first, second) {
-      if (labelling.pending.operations.some(({ kind }) => kind === "cut")) return; // shown until it is done
-      const isPair = first !== null && second !== null && labelling.canCut(first, second);
+      if (segments.pending.operations.some(({ kind }) => kind === "cut")) return; // shown until it is done
+      const isPair = first !== null && second !== null && segments.canCut(first, second);
       const next = isPair ? { face_a: first, face_b: second } : null;
-      if (isSame(next, wanted) && under === labelling.atomSegment && first !== null) return;
-      [wanted, under] = [next, labelling.atomSegment];
+      if (isSame(next, wanted) && under === segments.atomSegment && first !== null) return;
+      [wanted, under] = [next, segments.atomSegment];
       clearTimeout(timer);
       if (first === null) show([]);
       else timer = setTimeout(wanted ? ask : () => show([]), REST_MS);

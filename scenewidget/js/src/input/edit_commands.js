@@ -1,131 +1,121 @@
-/** What people do to segments: edits go to Python and show at once; hiding and framing stay on the page. */
+/** Wishes about segments: edits go to Python and show at once; hiding and framing stay on the page. */
 
 import { segmentTitle } from "../labels/description.js";
+import { othersHidden, toggledHidden } from "../labels/hidden.js";
 import { NONE } from "../labels/partition.js";
 import { foresee } from "../labels/prediction.js";
 
 /** @typedef {import("./gestures.js").Place} Place */
 
 const PREVIEW = "This is a preview: let go of the slider, and edit the result";
+const NAMELESS = "This surface is unlabelled: there is no segment to name";
+const GONE = "The kernel is gone: nothing was edited. Run the cell again";
 
 /**
- * @param {object} around
- * @param {import("../wire/wire.js").Model} around.model
- * @param {import("../scene/viewer.js").Viewer} around.view
- * @param {ReturnType<typeof import("../panel/panel.js").createPanel>} around.panel
- * @param {import("../labels/shown_segments.js").Labelling} around.labelling
- * @param {object} callbacks
- * @param {() => void} callbacks.onEdit  segments have changed
- * @param {() => void} callbacks.onHide  what is drawn has changed
- * @param {() => void} callbacks.letGo  of the picked part
+ * @param {import("./messages.js").Around & { target: () => number | null }} around  target: the face that keys act on
  */
-export function createEditing({ model, view, panel, labelling }, { onEdit, onHide, letGo }) {
+export function createEditCommands({ model, view, segments, root, target, send, on }) {
+  const remark = (/** @type {string} */ text) => send({ kind: "remark", text });
+
   /** Show an edit and tell Python of it, unless it makes no sense. @param {import("../labels/prediction.js").Edit} operation */
   function edit(operation) {
-    if (panel.root.dataset.live === "false") return;
-    if (labelling.isPreview) {
-      panel.remark(PREVIEW);
+    if (root.dataset.live === "false") return;
+    if (segments.isPreview) {
+      remark(PREVIEW);
       return;
     }
-    const { ground, shown } = labelling;
+    const { ground, shown } = segments;
     const revision = model.get("revision");
     if (!model.get("editable") || !ground || !shown) {
       model.send({ ...operation, revision });
       return;
     }
     const foreseen = foresee(ground, shown.labels, operation);
-    if (typeof foreseen === "string") panel.remark(foreseen);
+    if (typeof foreseen === "string") remark(foreseen);
     else queue(operation, { revision });
   }
 
-  /** Undo or redo. @param {"undo" | "redo"} kind */
+  /** @param {"undo" | "redo"} kind */
   function walk(kind) {
-    if (panel.root.dataset.live === "false") return;
-    if (labelling.isPreview) {
-      panel.remark(PREVIEW);
+    if (root.dataset.live === "false") return;
+    if (segments.isPreview) {
+      remark(PREVIEW);
       return;
     }
-    if (kind === "undo" && labelling.sketch) {
-      letGo(); // what the brush has gathered shows as the last step
+    if (kind === "undo" && segments.sketch) {
+      send({ kind: "let_go" }); // what the brush has gathered shows as the last step
       return;
     }
     if (!model.get("editable")) model.send({ kind });
     else queue({ kind }, {});
   }
 
-  /** Undo or redo until so many edits are done. @param {number} n */
-  function goTo(n) {
-    if (labelling.isPreview) panel.remark(PREVIEW);
-    else queue({ kind: "go_to", n }, {});
-  }
-
-  /** Give the segment under a face one of the names that have keys. @param {number} face @param {string} given */
-  function nameQuickly(face, given) {
-    const segment = view.segmentOf(face);
-    if (segment === NONE) panel.remark("This surface is unlabelled: there is no segment to name");
-    else edit({ kind: "relabel", face, name: given });
-  }
-
   /** @param {import("../labels/prediction.js").Operation} operation @param {object} details */
   function queue(operation, details) {
-    panel.remark("");
-    const answer = labelling.pending.add(operation);
+    remark("");
+    const answer = segments.pending.add(operation);
     try {
       model.send({ ...operation, ...details, ...answer });
     } catch {
-      labelling.pending.forget();
-      panel.remark("The kernel is gone: nothing was edited. Run the cell again");
+      segments.pending.forget();
+      remark(GONE);
     }
-    onEdit();
+    send({ kind: "segments" });
   }
 
-  /** @param {import("./keys.js").PartAction} what @param {number} face @param {Place | null} place */
-  function act(what, face, place) {
-    switch (what) {
-      case "split":
-        letGo();
-        edit({ kind: "split", face, level: labelling.level });
-        break;
-      case "name":
-        name(face, place ?? { x: view.size.width / 2, y: view.size.height / 2 });
-        break;
-      case "frame":
-        view.lookAt(face);
-        break;
-      default:
-        hide(face, what === "isolate");
-    }
-  }
-
-  /** @param {number} face @param {Place} place */
-  function name(face, place) {
+  /** Open the form for a name. @param {number} face @param {Place} place */
+  function askName(face, place) {
     if (!model.get("editable") && model.get("mode") !== "edit") return; // nobody would take it
-    const segment = labelling.segmentOf(face);
-    const { names } = labelling;
+    const segment = segments.segmentOf(face);
     if (segment === NONE) {
-      panel.remark("This surface is unlabelled: there is no segment to name");
+      remark(NAMELESS);
       return;
     }
-    panel.naming.ask(segmentTitle(segment, names), names[segment] ?? "", place, (given) => {
-      if (given !== (names[segment] ?? "")) edit({ kind: "relabel", face, name: given });
-    });
+    const { names } = segments;
+    const title = segmentTitle(segment, names);
+    send({ kind: "ask_name", face, title, name: names[segment] ?? "", place });
   }
 
-  /** Hide the segment under a face, or all others; null shows everything. @param {number | null} face */
-  function hide(face, isIsolating = false) {
-    letGo(); // what a cut would divide off is part of its segment again
-    const { partition, hidden } = view;
-    if (!partition) return;
-    const segment = face === null ? null : view.segmentOf(face);
-    const { atomSegment } = partition;
-    const isHidden = (/** @type {number} */ atom) =>
-      isIsolating ? atomSegment[atom] !== segment : hidden?.[atom] === 1 || atomSegment[atom] === segment;
-    const isDone = hidden !== null && atomSegment.every((_, atom) => isHidden(atom) === (hidden[atom] === 1));
-    if (isDone && segment !== null && !isIsolating) {
-      view.hide((atom) => hidden[atom] === 1 && atomSegment[atom] !== segment); // it was hidden: show it
-    } else view.hide(segment === null || (isIsolating && isDone) ? null : isHidden);
-    onHide();
+  /** @param {number} index  of the names that have keys */
+  function nameQuickly(index) {
+    const name = model.get("quick_names")[index];
+    const face = target();
+    if (!name || face === null) return;
+    if (view.segmentOf(face) === NONE) remark(NAMELESS);
+    else edit({ kind: "relabel", face, name });
   }
 
-  return { edit, walk, goTo, nameQuickly, act, hide };
+  /** @param {((atom: number) => boolean) | null} isHidden  null shows everything */
+  function hide(isHidden) {
+    view.hide(isHidden);
+    send({ kind: "hidden" });
+  }
+
+  on({
+    edit: ({ edit: operation }) => edit(operation),
+    undo: () => walk("undo"),
+    redo: () => walk("redo"),
+    go_to({ n }) {
+      if (segments.isPreview) remark(PREVIEW);
+      else queue({ kind: "go_to", n }, {});
+    },
+    name: ({ face, name }) => edit({ kind: "relabel", face, name }),
+    quick_name: ({ index }) => nameQuickly(index),
+    show_all() {
+      send({ kind: "let_go" });
+      if (view.partition) hide(null);
+    },
+    act({ what, face, place }) {
+      if (what === "frame") view.lookAt(face);
+      else if (what === "name") askName(face, place ?? { x: view.size.width / 2, y: view.size.height / 2 });
+      else {
+        send({ kind: "let_go" }); // what a cut would divide off is part of its segment again
+        if (what === "split") edit({ kind: "split", face, level: segments.level });
+        else if (view.partition) {
+          const change = what === "isolate" ? othersHidden : toggledHidden;
+          hide(change(view.hidden, view.partition.atomSegment, view.segmentOf(face)));
+        }
+      }
+    },
+  });
 }

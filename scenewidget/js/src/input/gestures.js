@@ -22,8 +22,8 @@ const MOST_GATHERED = 5000;
 
 /** @typedef {"navigate" | "edit"} Mode */
 /** @typedef {"merge" | "brush" | "cut"} Tool */
-/** @typedef {{ face: number, part: number, segment: number }} Hit */
-/** @typedef {{ x: number, y: number }} Place */
+/** @typedef {import("../labels/partition.js").Hit} Hit */
+/** @typedef {import("../scene/camera.js").Place} Place */
 
 /**
  * @typedef {object} PointerEventLike
@@ -55,8 +55,7 @@ const MOST_GATHERED = 5000;
 /** @typedef {{ onto: Hit, gathered: Hit[] }} Stroke */
 
 /**
- * @typedef {{ kind: "orbit" | "pan", dx: number, dy: number }
- *   | { kind: "zoom", factor: number, x: number, y: number }
+ * @typedef {import("../scene/viewer.js").Movement
  *   | { kind: "click" | "split", face: number }
  *   | { kind: "merge", face: number | number[], onto: number }
  *   | { kind: "cut", face: number, onto: number }} Action

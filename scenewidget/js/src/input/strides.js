@@ -6,7 +6,7 @@ const FIRST_SECONDS = 0.08; // that a tap counts for at least
 const LONGEST_SECONDS = 0.15; // of a slow frame
 
 /** @param {import("../scene/viewer.js").Viewer} view */
-export function createWalking(view) {
+export function createStrides(view) {
   /** @type {Set<Way>} */
   const ways = new Set();
   let request = 0;

@@ -46,3 +46,31 @@ export function countHidden(hidden, partition) {
   if (!hidden || !partition) return 0;
   return new Set(partition.atomSegment.filter((_, atom) => hidden[atom] === 1)).size;
 }
+
+/**
+ * What to hide so that one segment more is, or one less if it was.
+ * @param {Uint8Array | null} hidden
+ * @param {Uint32Array} atomSegment
+ * @param {number} segment
+ * @returns {(atom: number) => boolean}
+ */
+export function toggledHidden(hidden, atomSegment, segment) {
+  const was = (/** @type {number} */ atom) => hidden?.[atom] === 1;
+  const isHidden = hidden !== null && atomSegment.every((other, atom) => other !== segment || was(atom));
+  return isHidden
+    ? (atom) => was(atom) && atomSegment[atom] !== segment
+    : (atom) => was(atom) || atomSegment[atom] === segment;
+}
+
+/**
+ * What to hide so that only one segment is shown; nothing, null, if that is so already.
+ * @param {Uint8Array | null} hidden
+ * @param {Uint32Array} atomSegment
+ * @param {number} segment
+ * @returns {((atom: number) => boolean) | null}
+ */
+export function othersHidden(hidden, atomSegment, segment) {
+  const isAlone =
+    hidden !== null && atomSegment.every((other, atom) => (other !== segment) === (hidden[atom] === 1));
+  return isAlone ? null : (atom) => atomSegment[atom] !== segment;
+}

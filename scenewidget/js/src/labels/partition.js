@@ -17,6 +17,8 @@ export const NONE = 0xffffffff;
  * @property {Uint16Array | null} atomConfidence  0 = none, else 1 to 65535
  */
 
+/** @typedef {{ face: number, part: number, segment: number }} Hit  what lies at a place of the picture */
+
 /**
  * @typedef {object} Tables  what Python sends
  * @property {Uint32Array} faceAtom

@@ -9,19 +9,28 @@ import { pendingOf } from "./pending.js";
 import { canMerge, FINAL, foresee, highest, NOTHING, replay } from "./prediction.js";
 
 /** @typedef {import("../wire/wire.js").Model} Model */
-/** @typedef {import("../scene/viewer.js").Viewer} Viewer */
+/** @typedef {import("./partition.js").Partition} Partition */
 /** @typedef {import("./partition.js").Tables} Tables */
 
-export class Labelling {
+/**
+ * What shows them.
+ * @typedef {object} Picture
+ * @property {{ vertices: Float32Array, faces: Uint32Array } | null} mesh
+ * @property {(partition: Partition | null) => void} setPartition
+ */
+
+export class ShownSegments {
   /**
    * @param {Model} model
-   * @param {Viewer} view
    * @param {import("./preview.js").Preview} preview
+   * @param {Picture} picture
    */
-  constructor(model, view, preview) {
+  constructor(model, preview, picture) {
     this.model = model;
-    this.view = view;
     this.preview = preview;
+    this.picture = picture;
+    /** What the picture shows. @type {Partition | null} */
+    this.partition = null;
     this.pending = pendingOf(model.get("_token") ?? "");
     /** @type {import("./prediction.js").Ground | null} */
     this.ground = null;
@@ -39,12 +48,12 @@ export class Labelling {
 
   /** Take what the model holds and show it. */
   read() {
-    const { model, view } = this;
+    const { model, picture } = this;
     const faceAtom = /** @type {Uint32Array | null} */ (readArray(model, "face_atom"));
     const atomSegment = /** @type {Uint32Array | null} */ (readArray(model, "atom_segment"));
     if (!faceAtom || !atomSegment) {
       this.ground = this.shown = this.offcut = null;
-      view.setPartition(null);
+      this.#show(null);
       return;
     }
     const atomPart = /** @type {Uint32Array | null} */ (readArray(model, "atom_part"));
@@ -58,14 +67,20 @@ export class Labelling {
     const preview = this.preview.tables();
     this.isPreview = preview !== null;
     if (preview) {
-      view.setPartition(makePartition({ ...preview, atomPart: null }, -1, view.mesh));
+      this.#show(makePartition({ ...preview, atomPart: null }, -1, picture.mesh));
       return;
     }
     const level = this.level === FINAL ? -1 : model.get("levels").indexOf(this.level);
     const { atomSegment: under } = this.shown.labels;
     this.tables = { faceAtom, atomSegment: under, atomPart, segmentColors, atomConfidence };
     if (this.offcut?.under !== under) this.offcut = null;
-    view.setPartition(makePartition(this.offcut?.tables ?? this.tables, level, view.mesh));
+    this.#show(makePartition(this.offcut?.tables ?? this.tables, level, picture.mesh));
+  }
+
+  /** @param {Partition | null} partition */
+  #show(partition) {
+    this.partition = partition;
+    this.picture.setPartition(partition);
   }
 
   /** Show some faces as a segment of their own until the segments change; none ends it. @param {number[]} faces */
@@ -86,7 +101,12 @@ export class Labelling {
   /** Segment under a face, whatever a cut would divide off. @param {number} face */
   segmentOf(face) {
     const { ground, atomSegment, offcut } = this;
-    return offcut && ground && atomSegment ? atomSegment[ground.faceAtom[face]] : this.view.segmentOf(face);
+    return offcut && ground && atomSegment ? atomSegment[ground.faceAtom[face]] : this.#shownSegmentOf(face);
+  }
+
+  /** @param {number} face */
+  #shownSegmentOf(face) {
+    return this.partition ? this.partition.atomSegment[this.partition.faceAtom[face]] : NONE;
   }
 
   /** Whether two faces are in one segment. @param {number} first @param {number} second */
@@ -107,7 +127,7 @@ export class Labelling {
   }
 
   get count() {
-    const shown = this.isPreview ? this.view.partition?.atomSegment : this.atomSegment;
+    const shown = this.isPreview ? this.partition?.atomSegment : this.atomSegment;
     return shown ? countSegments(shown) : 0;
   }
 
@@ -138,13 +158,13 @@ export class Labelling {
     if (this.isPreview) return null;
     const isSettled = this.pending.operations.length === 0;
     if (isSettled) return /** @type {Float32Array | null} */ (readArray(this.model, "segment_confidence"));
-    return this.view.partition && meanConfidence(this.view.partition);
+    return this.partition && meanConfidence(this.partition);
   }
 
   /** What the status line says of a face. @param {number} face */
   descriptionOf(face) {
-    const partition = /** @type {import("./partition.js").Partition} */ (this.view.partition);
-    const segment = this.view.segmentOf(face);
+    const partition = /** @type {import("./partition.js").Partition} */ (this.partition);
+    const segment = this.#shownSegmentOf(face);
     const context = { level: this.level, names: this.names, confidence: this.confidence };
     const [red, green, blue] = partition.segmentColors.subarray(3 * segment, 3 * segment + 3);
     return {
@@ -153,7 +173,7 @@ export class Labelling {
     };
   }
 
-  /** @param {import("../input/gestures.js").Hit} hit */
+  /** @param {import("./partition.js").Hit} hit */
   titleOf({ part, segment }) {
     return part === segment ? segmentTitle(segment, this.names) : `Part of level ${this.level}`;
   }

@@ -3,7 +3,6 @@
 import { element, iconButton, textButton } from "./elements.js";
 
 /** @typedef {"" | "unsaved" | "saving" | "saved" | "failed" | "read-only"} SaveState */
-/** @typedef {{ key: string, text: string, actions: Array<[string, string]> }} Notice */
 
 /** @type {Record<SaveState, string>} */
 const WORDS = {
@@ -16,15 +15,14 @@ const WORDS = {
 };
 
 /**
- * @param {object} actions
- * @param {() => void} actions.save
- * @param {(notice: string, action: string) => void} actions.choose  a button of a notice was pressed
+ * @param {import("../input/messages.js").Send} send
+ * @param {() => void} leave  puts the focus back when a button of a bar was pressed
  */
-export function createKeeping({ save, choose }) {
+export function createAutosave(send, leave) {
   const button = iconButton("save", "Save", "Ctrl + S");
   const word = element("span", { class: "sw-saved", role: "status" });
   const bars = element("div", { class: "sw-notices" });
-  button.onclick = save;
+  button.onclick = () => send({ kind: "save" });
   let shown = "";
 
   return {
@@ -37,7 +35,7 @@ export function createKeeping({ save, choose }) {
      * @param {SaveState} state.saveState
      * @param {string} state.saveNote
      * @param {number} state.pending  edits that Python hasn't answered
-     * @param {Notice[]} state.notices
+     * @param {import("./notices.js").Notice[]} state.notices
      */
     update({ saveState, saveNote, pending, notices }) {
       const told = saveState === "saved" && pending > 0 ? "saving" : saveState;
@@ -54,7 +52,10 @@ export function createKeeping({ save, choose }) {
             element("span", { class: "sw-notice-text" }, [text]),
             ...actions.map(([label, action]) => {
               const choice = textButton(label);
-              choice.onclick = () => choose(key, action);
+              choice.onclick = () => {
+                send({ kind: "answer", notice: key, action });
+                leave();
+              };
               return choice;
             }),
           ]),

@@ -58,3 +58,13 @@ export function textButton(name, title) {
   const attributes = { class: "sw-text-button", type: "button", ...(title ? { title } : {}) };
   return element("button", attributes, [name]);
 }
+
+/** @param {HTMLElement} button */
+export function isPressed(button) {
+  return button.getAttribute("aria-pressed") === "true";
+}
+
+/** @param {HTMLElement} button @param {boolean} isOn */
+export function setPressed(button, isOn) {
+  button.setAttribute("aria-pressed", String(isOn));
+}

@@ -5,11 +5,14 @@ import { element, iconButton } from "./elements.js";
 /** @typedef {{ n: number, title: string, time: number, problem: string }} Step  n: edits that are done after it */
 
 /**
- * @param {object} actions
- * @param {(n: number) => void} actions.goTo
- * @param {() => void} actions.close
+ * @param {import("../input/messages.js").Send} send
+ * @param {() => void} leave  puts the focus back when it closes
  */
-export function createHistory({ goTo, close }) {
+export function createHistory(send, leave) {
+  const close = () => {
+    send({ kind: "set", name: "history_shown", value: false });
+    leave();
+  };
   const steps = element("ol", { class: "sw-steps" });
   const shut = iconButton("close", "Close history", "U");
   shut.onclick = close;
@@ -38,7 +41,9 @@ export function createHistory({ goTo, close }) {
 
   return {
     element: card,
-    focus: () => /** @type {HTMLElement | null} */ (steps.querySelector("[aria-current] , button"))?.focus(),
+    get isShown() {
+      return !card.hidden;
+    },
 
     /** @param {boolean} isShown @param {Step[]} history @param {number} nDone  edits that are done */
     update(isShown, history, nDone) {
@@ -63,7 +68,7 @@ export function createHistory({ goTo, close }) {
           if (isNow) button.setAttribute("aria-current", "step");
           button.dataset.state = problem ? "lost" : n > nDone ? "undone" : "done";
           button.title = isNow ? "Here you are" : n > nDone ? "Redo up to here" : "Undo back to here";
-          button.onclick = () => n !== nDone && goTo(n);
+          button.onclick = () => n !== nDone && send({ kind: "go_to", n });
           return element("li", {}, [button]);
         }),
       );

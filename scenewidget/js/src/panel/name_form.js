@@ -8,8 +8,11 @@ import { element, textButton } from "./elements.js";
 const MOST_CHARACTERS = "200";
 let count = 0;
 
-/** @param {() => void} onClose  called when it has gone, to put the focus back */
-export function createNaming(onClose) {
+/**
+ * @param {import("../input/messages.js").Send} send
+ * @param {() => void} leave  puts the focus back when it closes
+ */
+export function createNameForm(send, leave) {
   const id = `sw-vocabulary-${++count}`;
   const words = element("datalist", { id });
   const input = element("input", {
@@ -31,19 +34,21 @@ export function createNaming(onClose) {
     { class: "sw-naming", role: "dialog", "aria-label": "Name a segment", hidden: "" },
     [...[title, input, ok, cancel, quick, words]],
   );
-  /** @type {(name: string) => void} */
-  let onName = () => {};
+  /** What is named, and how it is called so far. */
+  let asked = { face: -1, name: "" };
 
   const close = () => {
     if (form.hidden) return;
     form.hidden = true;
-    onClose();
+    leave();
+  };
+  const give = (/** @type {string} */ name) => {
+    close();
+    if (name !== asked.name) send({ kind: "name", face: asked.face, name });
   };
   form.onsubmit = (event) => {
     event.preventDefault();
-    const name = input.value.trim();
-    close();
-    onName(name);
+    give(input.value.trim());
   };
   cancel.onclick = close;
   form.onkeydown = (event) => {
@@ -64,10 +69,7 @@ export function createNaming(onClose) {
         ...quickNames.slice(0, QUICK_KEYS.length).map((name, i) => {
           const button = textButton(name, `${name}: key ${QUICK_KEYS[i]}, without this form`);
           button.prepend(element("kbd", {}, [QUICK_KEYS[i]]), " ");
-          button.onclick = () => {
-            close();
-            onName(name);
-          };
+          button.onclick = () => give(name);
           return button;
         }),
       );
@@ -75,13 +77,14 @@ export function createNaming(onClose) {
     },
 
     /**
-     * @param {string} what  is named
-     * @param {string} name  that it has
-     * @param {Place} place
-     * @param {(name: string) => void} callback
+     * @param {object} question
+     * @param {number} question.face
+     * @param {string} question.title  of what is named
+     * @param {string} question.name  that it has
+     * @param {Place} question.place
      */
-    ask(what, name, place, callback) {
-      onName = callback;
+    ask({ face, title: what, name, place }) {
+      asked = { face, name };
       title.textContent = what;
       input.value = name;
       form.hidden = false;

@@ -5,7 +5,7 @@
 const SVG = "http://www.w3.org/2000/svg";
 
 /** Goes over the canvas; shows nothing until told. */
-export function createRubber() {
+export function createRubberBand() {
   const make = (/** @type {string} */ tag, /** @type {Record<string, string>} */ attributes) => {
     const node = document.createElementNS(SVG, tag);
     for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);

@@ -5,19 +5,16 @@ import { element, iconButton, textButton } from "./elements.js";
 
 /** @typedef {import("../scene/section.js").Range} Range */
 
-/**
- * @typedef {object} SectionActions
- * @property {(ranges: Range[]) => void} set
- * @property {() => void} ceiling  cut it off
- * @property {() => void} leave  the panel has closed
- */
-
 const NAMES = ["Length", "Width", "Height"];
 const STEP = 0.005;
 const THINNEST = 0.02;
 
-/** @param {SectionActions} actions */
-export function createSectionPanel(actions) {
+/**
+ * @param {import("../input/messages.js").Send} send
+ * @param {() => void} leave  puts the focus back when it closes
+ */
+export function createSectionPanel(send, leave) {
+  const set = (/** @type {Range[]} */ value) => send({ kind: "set", name: "section", value });
   /** @type {Range[]} */
   let ranges = WHOLE;
   /** Metres, of which the ranges are parts. */
@@ -35,7 +32,7 @@ export function createSectionPanel(actions) {
         /** @type {Range} */
         const range =
           i === 0 ? [Math.min(value, high - THINNEST), high] : [low, Math.max(value, low + THINNEST)];
-        actions.set(ranges.map((other, k) => (k === axis ? range : other)));
+        set(ranges.map((other, k) => (k === axis ? range : other)));
         input.value = String(range[i]);
       };
       return input;
@@ -62,10 +59,10 @@ export function createSectionPanel(actions) {
     panel.hidden = !isShown;
     if (!isFocused) return;
     if (isShown) rows[2].ends[1].focus({ preventScroll: true });
-    else actions.leave();
+    else leave();
   };
-  ceiling.onclick = () => actions.ceiling();
-  reset.onclick = () => actions.set(WHOLE);
+  ceiling.onclick = () => send({ kind: "cut_ceiling" });
+  reset.onclick = () => set(WHOLE);
   close.onclick = () => show(false);
   panel.onkeydown = (event) => {
     if (event.key !== "Escape") return;

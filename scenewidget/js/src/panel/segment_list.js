@@ -13,14 +13,6 @@ import { element, iconButton } from "./elements.js";
 /** @typedef {import("../labels/segment_rows.js").Row} Row */
 /** @typedef {import("../labels/segment_rows.js").Column} Column */
 
-/**
- * @typedef {object} ListActions
- * @property {(segment: number | null) => void} point  at a segment; null = no longer
- * @property {(segment: number) => void} choose
- * @property {(what: "hide" | "isolate" | "frame" | "name", segment: number) => void} act
- * @property {() => void} close
- */
-
 /** @type {Array<[Column, string, string]>} */
 const COLUMNS = [
   ["name", "Name", "Sort by name"],
@@ -35,8 +27,11 @@ const SHUT = "M1.8 8S4 12.2 8 12.2 14.2 8 14.2 8M4 11l-1 1.6M8 12.2V14M12 11l1 1
 /** @type {Record<string, "hide" | "isolate" | "frame" | "name">} */
 const KEYS = { h: "hide", i: "isolate", f: "frame", n: "name" };
 
-/** @param {ListActions} actions */
-export function createSegmentList(actions) {
+/**
+ * @param {import("../input/messages.js").Send} send
+ * @param {() => void} leave  puts the focus back when it closes
+ */
+export function createSegmentList(send, leave) {
   const count = element("span", { class: "sw-list-count" });
   const close = iconButton("close", "Close the list", "L");
   /** @type {Map<Column, { cell: HTMLElement, button: HTMLButtonElement }>} */
@@ -76,6 +71,7 @@ export function createSegmentList(actions) {
   let marked = /** @type {number | null} */ (null);
   let request = 0;
 
+  const point = (/** @type {number | null} */ segment) => send({ kind: "listed", segment });
   const lineOf = (/** @type {Event} */ event) =>
     event.target instanceof Element ? event.target.closest("tr")?.dataset.segment : undefined;
 
@@ -118,24 +114,25 @@ export function createSegmentList(actions) {
 
   body.addEventListener("pointerover", (event) => {
     const segment = lineOf(event);
-    actions.point(segment === undefined ? null : Number(segment));
+    point(segment === undefined ? null : Number(segment));
   });
-  body.addEventListener("pointerleave", () => actions.point(null));
+  body.addEventListener("pointerleave", () => point(null));
   body.addEventListener("click", (event) => {
     const segment = lineOf(event);
     if (segment === undefined) return;
     setCurrent(Number(segment));
-    if (/** @type {Element} */ (event.target).closest(".sw-eye")) actions.act("hide", Number(segment));
-    else actions.choose(Number(segment));
+    if (/** @type {Element} */ (event.target).closest(".sw-eye"))
+      send({ kind: "act_on_segment", what: "hide", segment: Number(segment) });
+    else send({ kind: "choose_segment", segment: Number(segment) });
   });
   body.addEventListener("focusin", (event) => {
     const segment = lineOf(event);
     if (segment === undefined) return;
     setCurrent(Number(segment));
     reveal(/** @type {HTMLElement} */ (lines.get(current)?.line));
-    if (/** @type {Element} */ (event.target).matches(":focus-visible")) actions.point(current);
+    if (/** @type {Element} */ (event.target).matches(":focus-visible")) point(current);
   });
-  body.addEventListener("focusout", () => actions.point(null));
+  body.addEventListener("focusout", () => point(null));
   body.addEventListener("keydown", (event) => {
     const line = lines.get(current)?.line;
     if (!line || event.ctrlKey || event.metaKey || event.altKey || event.shiftKey) return;
@@ -158,12 +155,15 @@ export function createSegmentList(actions) {
     } else if (event.key === "ArrowLeft" || event.key === "ArrowRight") {
       lines.get(current)?.focus(event.key === "ArrowLeft");
     } else if (event.key.toLowerCase() in KEYS) {
-      actions.act(KEYS[event.key.toLowerCase()], current);
+      send({ kind: "act_on_segment", what: KEYS[event.key.toLowerCase()], segment: current });
     } else return;
     event.preventDefault();
     event.stopPropagation();
   });
-  close.onclick = () => actions.close();
+  close.onclick = () => {
+    send({ kind: "set", name: "segment_list", value: false });
+    leave();
+  };
 
   return {
     element: panel,
@@ -172,7 +172,7 @@ export function createSegmentList(actions) {
     show(isShown) {
       if (panel.hidden !== isShown) return;
       panel.hidden = !isShown;
-      if (!isShown) actions.point(null);
+      if (!isShown) point(null);
     },
     isShown: () => !panel.hidden,
 

@@ -5,16 +5,10 @@ import { on } from "../wire/listen.js";
 import { element, iconButton, textButton } from "./elements.js";
 
 /**
- * @param {object} around
- * @param {import("../wire/wire.js").Model} around.model
- * @param {import("../scene/viewer.js").Viewer} around.view
- * @param {ReturnType<typeof import("./panel.js").createPanel>} around.panel
- * @param {import("../labels/shown_segments.js").Labelling} around.labelling
- * @param {ReturnType<typeof import("../input/pointer.js").createPointing>} around.pointing
- * @param {AbortSignal} around.signal
+ * @param {import("../input/messages.js").Around} around
+ * @param {HTMLElement} dock
  */
-export function createSuggesting({ model, view, panel, labelling, pointing, signal }) {
-  const { root } = panel;
+export function createSuggestionBar({ model, view, segments, root, send, signal }, dock) {
   const text = element("span", { class: "sw-picked-text" });
   const accept = textButton("Accept", "Do this (Enter)");
   const skip = textButton("Skip", "Don't suggest this again (K)");
@@ -24,13 +18,13 @@ export function createSuggesting({ model, view, panel, labelling, pointing, sign
     { class: "sw-picked sw-suggestion", role: "toolbar", "aria-label": "Suggestion", hidden: "" },
     [text, accept, skip, close],
   );
-  panel.dock.append(bar);
+  dock.append(bar);
   let shown = /** @type {any} */ ({});
   let isWaiting = false; // for Python's answer
 
   /** @param {"next" | "accept" | "skip" | "close"} what */
-  function send(what) {
-    if (labelling.isPreview || (isWaiting && what !== "close")) return;
+  function tell(what) {
+    if (segments.isPreview || (isWaiting && what !== "close")) return;
     isWaiting = true;
     model.send({ kind: "suggest", do: what, number: shown.number ?? 0 });
   }
@@ -44,7 +38,7 @@ export function createSuggesting({ model, view, panel, labelling, pointing, sign
     bar.hidden = !isThere;
     root.dataset.suggestion = isThere ? shown.kind : "";
     text.textContent = shown.title ?? "";
-    pointing.propose(isThere ? { face: shown.face, onto: shown.onto_face } : null);
+    send({ kind: "suggested", edit: isThere ? { face: shown.face, onto: shown.onto_face } : null });
   }
 
   function showNext() {
@@ -52,15 +46,14 @@ export function createSuggesting({ model, view, panel, labelling, pointing, sign
     show();
     if (bar.hidden || shown.number === number) return;
     if (model.get("level") !== shown.level) {
-      model.set("level", shown.level);
-      model.save_changes();
+      send({ kind: "set", name: "level", value: shown.level });
     }
     queueMicrotask(() => view.lookAround(shown.face)); // once the parts are those of the level
   }
 
-  accept.onclick = () => send("accept");
-  skip.onclick = () => send("skip");
-  close.onclick = () => send("close");
+  accept.onclick = () => tell("accept");
+  skip.onclick = () => tell("skip");
+  close.onclick = () => tell("close");
   const onKey = (/** @type {KeyboardEvent} */ event) => {
     const { target } = event;
     if (target !== root && !(target instanceof Node && bar.contains(target))) return;
@@ -80,13 +73,13 @@ export function createSuggesting({ model, view, panel, labelling, pointing, sign
     if (!meant) return;
     event.preventDefault();
     event.stopImmediatePropagation();
-    send(meant);
+    tell(meant);
   };
   root.addEventListener("keydown", onKey, { signal, capture: true });
   on(model, "change:suggestion", showNext, signal);
   const onMessage = (/** @type {any} */ message) => {
     if (message.kind !== "suggest") return;
-    send("next");
+    tell("next");
     root.focus({ preventScroll: true });
   };
   hear(() => model.get("_channel"), onMessage, signal);

@@ -1,5 +1,7 @@
 /** Light or dark, as the page around is. */
 
+import { on } from "../wire/listen.js";
+
 /**
  * Calls back now and whenever the host changes its theme.
  * @param {HTMLElement} element
@@ -23,6 +25,26 @@ export function watchTheme(element, callback) {
     observer.disconnect();
     media.removeEventListener("change", later);
   };
+}
+
+/**
+ * Show the theme that the model asks for, or that of the page.
+ * @param {Pick<import("../input/messages.js").Around, "model" | "view" | "root" | "signal">} around
+ */
+export function showTheme({ model, view, root, signal }) {
+  let isHostDark = false;
+  const paint = () => {
+    const theme = model.get("theme");
+    const isDark = theme === "auto" ? isHostDark : theme === "dark";
+    root.dataset.theme = isDark ? "dark" : "light";
+    view.setLook({ isDark });
+  };
+  const stop = watchTheme(root, (isDark) => {
+    isHostDark = isDark;
+    paint();
+  });
+  on(model, "change:theme", paint, signal);
+  signal.addEventListener("abort", stop);
 }
 
 /** What an element is in, also where that is the host of a shadow tree, as in marimo. @param {Element} element */

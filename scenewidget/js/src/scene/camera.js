@@ -15,6 +15,7 @@
  * @property {number} [tangent]  of half the height of the picture as an angle; narrow by default
  */
 /** @typedef {{ eye: Vec3, right: Vec3, up: Vec3, forward: Vec3 }} Frame */
+/** @typedef {{ x: number, y: number }} Place  in the picture, pixels from the upper left */
 /** @typedef {{ middle: Vec3, radius: number }} Ball */
 
 /** Of half the height of the picture as an angle: narrow, so that rooms don't look stretched. */

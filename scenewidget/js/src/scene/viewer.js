@@ -31,11 +31,16 @@ import { dolly, goTo, lookAround, lookTo, standing, standingPlace, walked } from
 
 /** @typedef {import("./camera.js").Camera} Camera */
 /** @typedef {import("./camera.js").Vec3} Vec3 */
-/** @typedef {import("../input/gestures.js").Action} Action */
-/** @typedef {import("../input/gestures.js").Place} Place */
+/** @typedef {import("./camera.js").Place} Place */
 /** @typedef {import("../labels/atom_table.js").ColorBy} ColorBy */
 /** @typedef {import("../labels/partition.js").Partition} Partition */
 /** @typedef {import("./renderer.js").MeshArrays} MeshArrays */
+
+/**
+ * Of the camera, in pixels of the picture.
+ * @typedef {{ kind: "orbit" | "pan", dx: number, dy: number }
+ *   | { kind: "zoom", factor: number, x: number, y: number }} Movement
+ */
 
 const REST_MS = 140; // without movement for so long, the camera has stopped
 const FLIGHT_MS = 280;
@@ -334,7 +339,7 @@ export class Viewer {
     return sample(vertices, Uint32Array.from(inside), FRAME_FACES);
   }
 
-  /** @param {Action} action */
+  /** @param {Movement} action */
   apply(action) {
     const { width, height } = this.size;
     switch (action.kind) {
@@ -377,7 +382,7 @@ export class Viewer {
   /**
    * Face and part at a place; null where there is no part.
    * @param {Place} place
-   * @returns {import("../input/gestures.js").Hit | null}
+   * @returns {import("../labels/partition.js").Hit | null}
    */
   hitAt(place) {
     const face = this.faceAt(place);

@@ -29,17 +29,3 @@ export function watchConnection(model, host, onChange, signal) {
   signal.addEventListener("abort", () => observer.disconnect());
   return { isLive: () => isLive };
 }
-
-/** What to say when the kernel has gone. @type {import("../panel/autosave.js").Notice} */
-export const GONE_NOTICE = {
-  key: "gone",
-  text: "The kernel is gone: looking works, editing doesn't. Run the cell again.",
-  actions: [],
-};
-
-/** What to say when the browser has taken the picture's graphics context away. @type {import("../panel/autosave.js").Notice} */
-export const ASIDE = {
-  key: "aside",
-  text: "The browser has put this picture aside, as it does when many 3D views are open.",
-  actions: [["Draw it again", "again"]],
-};

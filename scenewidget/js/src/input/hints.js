@@ -1,0 +1,41 @@
+/** What can be done next with what is in hand, in words. */
+
+import { counted, segmentTitle } from "../labels/description.js";
+
+/** @typedef {import("./gestures.js").Hit} Hit */
+
+/**
+ * @param {object} hand
+ * @param {import("./gestures.js").Gesture} hand.gesture
+ * @param {import("./gestures.js").Tool} hand.tool
+ * @param {object} segments
+ * @param {(hit: Hit) => string} segments.titleOf
+ * @param {Record<string, string>} segments.names
+ * @param {{ nFaces: number } | null} segments.offcut  that a click would divide off
+ * @param {boolean} isSought  whether Python looks for a cut
+ * @returns {{ text: string | null, of: "part" | "stroke" | "hint" }}
+ */
+export function hintOf({ gesture, tool }, segments, isSought) {
+  const { picked, stroke } = gesture;
+  if (stroke) {
+    const n = stroke.gathered.length;
+    const what = n === 0 ? "gather parts for" : `${n} ${n === 1 ? "part" : "parts"} onto`;
+    return { text: `Brush: ${what} ${segments.titleOf(stroke.onto)}`, of: "stroke" };
+  }
+  if (tool === "cut") return { text: cutHint(picked, segments, isSought), of: "hint" };
+  if (tool === "brush") return { text: "Brush: drag over parts to gather them onto the first", of: "hint" };
+  return { text: picked && `${segments.titleOf(picked)}: click what to merge it with`, of: "part" };
+}
+
+/**
+ * @param {Hit | null} picked  the first point
+ * @param {{ names: Record<string, string>, offcut: { nFaces: number } | null }} segments
+ * @param {boolean} isSought
+ */
+function cutHint(picked, { names, offcut }, isSought) {
+  if (!picked) return "Cut: click or drag from one side of a segment to the other";
+  const title = segmentTitle(picked.segment, names);
+  if (isSought) return `${title}: looking for the cut…`;
+  if (offcut) return `${title}: a click here cuts ${counted(offcut.nFaces, "face")} off`;
+  return `${title}: click the other side of the cut`;
+}

@@ -1,0 +1,47 @@
+/** What can be done with the picked part or with what the brush has gathered; else how a tool goes. */
+
+import { element, iconButton, textButton } from "./elements.js";
+
+/** @type {Array<[string, import("../input/keys.js").PartAction, string]>} */
+const ACTIONS = [
+  ["Split", "split", "Split this part off (S)"],
+  ["Name", "name", "Name this segment (N)"],
+  ["Hide", "hide", "Hide this segment (H)"],
+  ["Isolate", "isolate", "Hide all other segments (I)"],
+  ["Frame", "frame", "Fit this segment into the view (F)"],
+];
+
+/**
+ * @param {import("../input/messages.js").Send} send
+ * @param {() => void} leave  puts the focus back when the bar goes
+ */
+export function createPickedBar(send, leave) {
+  const text = element("span", { class: "sw-picked-text", role: "status" });
+  const letGo = iconButton("close", "Let go", "Esc");
+  const finish = textButton("Merge them", "Merge what is gathered (Shift + Enter)");
+  const buttons = ACTIONS.map(([name, what, title]) => {
+    const button = textButton(name, title);
+    button.onclick = () => send({ kind: "act_on_picked", what });
+    return button;
+  });
+  letGo.onclick = () => send({ kind: "back" });
+  finish.onclick = () => send({ kind: "finish" });
+  const bar = element(
+    "div",
+    { class: "sw-picked", role: "toolbar", "aria-label": "Picked part", hidden: "" },
+    [text, ...buttons, finish, letGo],
+  );
+  return {
+    element: bar,
+
+    /** @param {{ text: string | null, of: "part" | "stroke" | "hint" }} hint */
+    show({ text: words, of }) {
+      for (const button of buttons) button.hidden = of !== "part";
+      finish.hidden = of !== "stroke";
+      bar.dataset.kind = of;
+      if (text.textContent !== (words ?? "")) text.textContent = words ?? "";
+      if (words === null && bar.contains(document.activeElement)) leave();
+      bar.hidden = words === null;
+    },
+  };
+}

@@ -1,0 +1,185 @@
+/** The row of buttons over the picture: colours, modes and tools, history, views, help. */
+
+import { isWhole } from "../scene/section.js";
+import { element, iconButton, isPressed, setPressed, textButton } from "./elements.js";
+import { createToolbox } from "./toolbox.js";
+
+/** @typedef {import("./state.js").PanelState} PanelState */
+
+/**
+ * @param {import("../input/messages.js").Send} send
+ * @param {Pick<ReturnType<typeof import("./autosave.js").createAutosave>, "button" | "word">} autosave
+ */
+export function createToolbar(send, autosave) {
+  const set = (/** @type {string} */ name, /** @type {unknown} */ value) =>
+    send({ kind: "set", name, value });
+  const fit = iconButton("fit", "Fit", "Shift + F");
+  const above = iconButton("above", "Top view", "T");
+  const start = iconButton("start", "Reset view", "R");
+  const inside = iconButton("inside", "First-person view", "V");
+  const section = iconButton("section", "Section", "X");
+  const outlines = iconButton("outlines", "Outlines", "O");
+  const backFaces = iconButton("backFaces", "Back faces", "B");
+  const segmentList = iconButton("list", "List of segments", "L");
+  const help = element(
+    "button",
+    { class: "sw-button", type: "button", "aria-label": "Help", title: "Help (?)" },
+    ["?"],
+  );
+  const colorBy = element("select", { class: "sw-select", "aria-label": "Colour by", title: "Colour by" });
+  const level = element("select", {
+    class: "sw-select",
+    "aria-label": "Level",
+    title: "Level of the parts to point at",
+  });
+  const mixing = element("input", {
+    class: "sw-range",
+    type: "range",
+    min: "0",
+    max: "1",
+    step: "0.05",
+    "aria-label": "Colour strength",
+    title: "Colour strength",
+  });
+  const levelField = field("Level", level);
+  const look = textButton("Look", "Look: dragging turns the room (E)");
+  const edit = textButton("Edit", "Edit: drag a part onto another to merge, right-click to split (E)");
+  const undo = iconButton("undo", "Undo", "Ctrl + Z");
+  const redo = iconButton("redo", "Redo", "Ctrl + Shift + Z");
+  const modes = element("div", { class: "sw-group sw-modes", role: "group", "aria-label": "Mode" }, [
+    look,
+    edit,
+  ]);
+  const toolbox = createToolbox((tool) => send({ kind: "tool", tool }));
+  const toHistory = iconButton("history", "History", "U");
+  const history = element("div", { class: "sw-group" }, [
+    ...[undo, redo, toHistory, autosave.button, autosave.word],
+  ]);
+  const showAll = textButton("Show all", "Show what is hidden (Shift + H)");
+  const hiddenGroup = element("div", { class: "sw-group", hidden: "" }, [showAll]);
+  const bar = element("div", { class: "sw-tools", role: "toolbar", "aria-label": "View" }, [
+    element("div", { class: "sw-group" }, [field("Colour", colorBy), mixing, levelField]),
+    hiddenGroup,
+    modes,
+    toolbox.element,
+    history,
+    element("div", { class: "sw-group" }, [outlines, backFaces, section]),
+    element("div", { class: "sw-group" }, [fit, above, inside, start]),
+    element("div", { class: "sw-group" }, [segmentList, help]),
+  ]);
+
+  fit.onclick = () => send({ kind: "look", from: "here" });
+  above.onclick = () => send({ kind: "look", from: "above" });
+  start.onclick = () => send({ kind: "look", from: "start" });
+  inside.onclick = () => send({ kind: "toggle", what: "inside" });
+  help.onclick = () => send({ kind: "toggle", what: "help" });
+  section.onclick = () => send({ kind: "toggle", what: "section" });
+  outlines.onclick = () => set("outlines", !isPressed(outlines));
+  backFaces.onclick = () => set("back_faces", !isPressed(backFaces));
+  segmentList.onclick = () => set("segment_list", !isPressed(segmentList));
+  toHistory.onclick = () => set("history_shown", !isPressed(toHistory));
+  colorBy.onchange = () => set("color_by", colorBy.value);
+  level.onchange = () => set("level", level.value);
+  mixing.oninput = () => set("color_mix", Number(mixing.value));
+  look.onclick = () => set("mode", "navigate");
+  edit.onclick = () => set("mode", "edit");
+  undo.onclick = () => send({ kind: "undo" });
+  redo.onclick = () => send({ kind: "redo" });
+  showAll.onclick = () => send({ kind: "show_all" });
+
+  return {
+    element: bar,
+    showTool: toolbox.show,
+
+    /** @param {boolean} isInside  whether one stands in the room */
+    showInside: (isInside) => setPressed(inside, isInside),
+
+    /** @param {boolean} isShown */
+    showHelp: (isShown) => help.setAttribute("aria-expanded", String(isShown)),
+
+    /** @param {PanelState} state */
+    update(state) {
+      offerChoices(colorBy, state.colorBy, colorings(state));
+      offerChoices(
+        level,
+        state.level,
+        state.levels.map((name) => [name, capitalized(name)]),
+      );
+      levelField.hidden = state.levels.length === 0;
+      mixing.hidden = state.colorBy === "scan" || state.colorBy === "shaded";
+      mixing.value = String(state.mixing);
+      setPressed(outlines, state.outlines);
+      setPressed(backFaces, state.backFaces);
+      setPressed(section, !isWhole(state.section));
+      segmentList.hidden = !state.hasPartition;
+      setPressed(segmentList, state.segmentList);
+      modes.hidden = history.hidden = !state.editable;
+      toolbox.element.hidden = !state.editable || state.mode !== "edit";
+      setPressed(look, state.mode === "navigate");
+      setPressed(edit, state.mode === "edit");
+      offerStep(undo, "Undo", "Ctrl + Z", state.undo);
+      offerStep(redo, "Redo", "Ctrl + Shift + Z", state.redo);
+      hiddenGroup.hidden = state.nHidden === 0;
+      setPressed(toHistory, state.editable && state.historyShown);
+    },
+  };
+}
+
+/**
+ * The ways of colouring that make sense now: value and text.
+ * @param {Pick<PanelState, "hasPartition" | "hasConfidence" | "hasValues" | "hasScan" | "levels" | "errorsTitle" | "valuesTitle">} state
+ */
+export function colorings(state) {
+  const all = /** @type {Array<[string, string, boolean]>} */ ([
+    ["segments", "Segments", state.hasPartition],
+    ["parts", "Parts", state.hasPartition && state.levels.length > 0],
+    ["confidence", "Confidence", state.hasConfidence],
+    ["errors", "Errors", Boolean(state.errorsTitle)],
+    ["values", state.valuesTitle || "Values", state.hasValues],
+    ["normals", "Normals", true],
+    ["scan", "Scan", state.hasScan],
+    ["shaded", "Plain", true],
+  ]);
+  return all
+    .filter(([, , isOffered]) => isOffered)
+    .map(([value, text]) => /** @type {[string, string]} */ ([value, text]));
+}
+
+/**
+ * @param {HTMLButtonElement} button
+ * @param {string} name
+ * @param {string} key
+ * @param {string | null} step  that it would take; null = there is none
+ */
+function offerStep(button, name, key, step) {
+  const isFocused = button.matches(":focus"); // a disabled button would swallow the keys
+  button.disabled = step === null;
+  if (button.disabled && isFocused)
+    button.closest(/** @type {any} */ (".scenewidget"))?.focus({ preventScroll: true });
+  button.title =
+    step === null ? `Nothing to ${name.toLowerCase()}` : `${name}${step && `: ${step}`} (${key})`;
+}
+
+/** @param {string} name @param {HTMLElement} control */
+function field(name, control) {
+  return element("label", { class: "sw-field" }, [element("span", {}, [name]), control]);
+}
+
+/**
+ * @param {HTMLSelectElement} select
+ * @param {string} value
+ * @param {Array<[string, string]>} offered  value, text
+ */
+function offerChoices(select, value, offered) {
+  const signature = JSON.stringify(offered);
+  if (select.dataset.choices !== signature) {
+    select.dataset.choices = signature;
+    select.replaceChildren(...offered.map(([name, text]) => element("option", { value: name }, [text])));
+  }
+  select.value = value;
+}
+
+/** @param {string} text */
+function capitalized(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}

@@ -1,0 +1,26 @@
+/** The pieces of a model's state that a view shows, by what has to be taken anew when they change. */
+
+const GEOMETRY = ["vertices", "faces", "vertex_colors", "up"];
+const PARTITION = ["face_atom", "atom_part", "atom_segment", "segment_colors", "atom_confidence"];
+const VALUES = ["face_value", "colormap", "face_error"];
+const PREVIEW = [
+  ...["face_item", "preview_segment", "preview_colors", "is_preview"],
+  ...["face_piece", "family_merges", "family_colors"],
+];
+
+export const GROUPS = {
+  geometry: arrays(GEOMETRY),
+  partition: [...arrays(PARTITION), ...arrays(PREVIEW), "levels", "level", "segment_names", "_answers"],
+  values: arrays(VALUES),
+  state: [
+    ...["color_by", "color_mix", "errors_title", "values_legend", "outlines", "back_faces", "section"],
+    ...["height", "segment_list", "mode", "editable", "vocabulary", "quick_names"],
+    ...["busy", "progress", "status", "error", "save_state", "save_note", "notices"],
+    ...["undo_title", "redo_title", "history_shown", "history", "n_done"],
+  ],
+};
+
+/** @param {string[]} names */
+function arrays(names) {
+  return names.map((name) => `_${name}`);
+}
