@@ -57,15 +57,3 @@ def test_types_are_consistent(tools):
 
 def test_style_is_as_agreed(tools):
     run(NODE, tools / "node_modules" / "@biomejs" / "biome" / "bin" / "biome", "ci", ".", cwd=tools)
-
-
-def test_pure_modules_import_no_page_and_no_webgl():
-    pure = [*(JS / "src" / "labels").iterdir(), *(JS / "src" / "scene").iterdir()]
-    pure += [JS / "src" / path for path in ("wire/wire.js", "input/gestures.js", "input/keys.js")]
-    for path in pure:
-        source = path.read_text(encoding="utf-8")
-        assert "document" not in source, path.name
-    users = [
-        path.name for path in (JS / "src").rglob("*.js") if '"three"' in path.read_text(encoding="utf-8")
-    ]
-    assert users == ["renderer.js"]

@@ -1,0 +1,33 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { readMesh } from "../../src/scene/mesh.js";
+import { fakeModel } from "../page.js";
+
+function fake(up = [0, 0, 1]) {
+  return fakeModel({
+    ...{
+      _vertices: Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0).buffer,
+      _faces: Uint32Array.of(0, 1, 2).buffer,
+    },
+    _headers: { vertices: { dtype: "float32", shape: [3, 3] }, faces: { dtype: "uint32", shape: [1, 3] } },
+    _up: up,
+  });
+}
+
+test("a mesh is made once for all views of a model, and anew when up changes", () => {
+  const model = fake();
+  const mesh = readMesh(model);
+  assert.equal(readMesh(model), mesh);
+  assert.deepEqual([...(mesh?.normals ?? [])].slice(0, 4), [0, 0, 127, 0]);
+  assert.equal(mesh?.colors, null);
+  model.set("_up", [1, 0, 0]);
+  const turned = readMesh(model);
+  assert.notEqual(turned, mesh);
+  assert.equal(turned?.vertices[5], 1); // what lay along x is up
+});
+
+test("without vertices there is none yet", () => {
+  const model = fake();
+  model.set("_vertices", null);
+  assert.equal(readMesh(model), null);
+});
