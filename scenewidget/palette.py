@@ -13,7 +13,6 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from scenewidget.engine.family import Family
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.segmentation import Segmentation
 
@@ -21,7 +20,7 @@ __all__ = [
     "adjacent_segments",
     "are_distinct",
     "choose_colors",
-    "conflicts",
+    "colormap_table",
     "inherited_colors",
     "keep_colors",
     "label_rows",
@@ -111,6 +110,31 @@ def label_rows(mesh: Mesh, labels: IntArray, known: IntArray | None = None) -> I
     return choose_colors(n_labels, adjacent_segments(mesh.faces, labels, mesh.n_vertices), shares, known)
 
 
+def colormap_table(name: str) -> npt.NDArray[np.uint8]:
+    """(256, 3) sRGB of a matplotlib colour map, from its low end to its high one.
+
+    Raises
+    ------
+    ValueError
+        There is no such colour map.
+
+    Examples
+    --------
+    >>> colormap_table("viridis")[[0, 255]].tolist()
+    [[68, 1, 84], [253, 231, 37]]
+    """
+    import matplotlib  # 0.2 s: only when numbers are coloured
+
+    if name not in matplotlib.colormaps:
+        raise ValueError(
+            f"colormap must be the name of a matplotlib colour map such as 'viridis', got {name!r}"
+        )
+    table: npt.NDArray[np.uint8] = np.round(
+        255 * matplotlib.colormaps[name](np.linspace(0, 1, 256))[:, :3]
+    ).astype(np.uint8)
+    return table
+
+
 def choose_colors(
     n_segments: int, neighbours: IntArray, shares: FloatArray, known: IntArray | None = None
 ) -> IntArray:
@@ -172,24 +196,6 @@ def inherited_colors(
             colors[segment] = colors_before[old]
             is_taken[old] = True
     return colors
-
-
-def conflicts(family: Family, pairs: IntArray) -> IntArray:
-    """Pieces of a family that stand for touching segments in any of its cuts, (n_pairs, 2).
-
-    Parameters
-    ----------
-    pairs : (n, 2) int
-        Items that touch.
-    """
-    ends = family.piece[pairs]
-    ends = ends[(ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)]
-    touches = np.zeros((family.most, family.most), np.bool_)
-    touches[ends[:, 0], ends[:, 1]] = touches[ends[:, 1], ends[:, 0]] = True
-    for kept, gone in family.merges:
-        touches[kept] |= touches[gone]
-        touches[:, kept] = touches[kept]
-    return np.argwhere(np.triu(touches, 1))
 
 
 def are_distinct(color: int, others: IntArray) -> bool:

@@ -12,7 +12,7 @@ import scenewidget as sw
 from scenewidget import figures
 from scenewidget.datasets import analytic
 from scenewidget.engine.operators import eigenbasis
-from scenewidget.figures.drawing import UNLABELLED, draw, lit
+from scenewidget.figures.drawing import UNLABELED, draw, lit
 from scenewidget.figures.motion import displaced
 from scenewidget.figures.picture import camera_for, color_bar
 from scenewidget.figures.raster import FIELD_OF_VIEW, Camera, render
@@ -208,7 +208,7 @@ def test_labels_take_distinct_colours_and_none_is_grey():
     for i in range(6):
         of_side = colors[side == i].reshape(-1, 3)
         assert len(np.unique(of_side, axis=0)) == 1  # one normal, one light, one colour
-    grey = lit(np.tile(np.array(UNLABELLED, np.uint8), (mesh.n_faces, 1, 1)), facing)
+    grey = lit(np.tile(np.array(UNLABELED, np.uint8), (mesh.n_faces, 1, 1)), facing)
     np.testing.assert_array_equal(colors[side == 5][:, 0], grey[side == 5][:, 0])
     unlit = {tuple(colors[side == i][0, 0] / (colors[side == i][0, 0].max())) for i in range(6)}
     assert len(unlit) == 6

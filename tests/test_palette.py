@@ -75,7 +75,7 @@ def sides():
 
 def test_screen_figures_and_files_choose_the_same_colours(sides):
     view = SceneView(sides.mesh)
-    view.set_partition({"base": np.arange(192) // 8}, sides.labels)
+    view.set_segments(sides.labels, levels={"base": np.arange(192) // 8})
     np.testing.assert_array_equal(segment_colors(sides)[:-1], view.segment_colors)
     figure = label_colors(sides.labels, label_rows(sides.mesh, sides.labels))
     inside = sides.labels >= 0
@@ -94,7 +94,7 @@ def test_colours_in_use_stay_and_others_are_chosen_around_them(sides):
 def test_a_ply_has_the_colours_of_the_screen(sides, per, tmp_path):
     plyfile = pytest.importorskip("plyfile")
     view = SceneView(sides.mesh)
-    view.set_partition({}, sides.labels)
+    view.set_segments(sides.labels, levels={})
     sw.export(sides, sides.mesh, tmp_path / "room.ply", per=per)
     rows = plyfile.PlyData.read(tmp_path / "room.ply")[per].data
     seen = np.stack([rows[name] for name in ("red", "green", "blue")], axis=1)

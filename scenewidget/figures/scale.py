@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scenewidget.engine.mesh import FloatArray
+from scenewidget.palette import colormap_table
 
 __all__ = ["ColorScale", "color_scale"]
 
@@ -47,9 +48,9 @@ class ColorScale:
         is_finite = np.isfinite(numbers)
         share = np.where(is_finite, (numbers - self.low) / ((self.high - self.low) or 1.0), 0.0)
         rows = np.round(255 * np.clip(share, 0.0, 1.0)).astype(np.intp)
-        found: ColorArray = np.where(is_finite[..., None], _table(self.colormap)[rows], NOT_A_NUMBER).astype(
-            np.uint8
-        )
+        found: ColorArray = np.where(
+            is_finite[..., None], colormap_table(self.colormap)[rows], NOT_A_NUMBER
+        ).astype(np.uint8)
         return found
 
     def ticks(self) -> list[str]:
@@ -83,19 +84,5 @@ def color_scale(
     low, high = smallest if low is None else float(low), largest if high is None else float(high)
     if not low <= high:
         raise ValueError(f"low must not be above high, got {low:g} and {high:g}")
-    _table(colormap)
+    colormap_table(colormap)  # says what is wrong with a name
     return ColorScale(colormap, low, high, title)
-
-
-def _table(name: str) -> ColorArray:
-    """(256, 3) uint8."""
-    import matplotlib  # 0.2 s: only when numbers are coloured
-
-    if name not in matplotlib.colormaps:
-        raise ValueError(
-            f"colormap must be the name of a matplotlib colour map such as 'viridis', got {name!r}"
-        )
-    table: ColorArray = np.round(255 * matplotlib.colormaps[name](np.linspace(0, 1, 256))[:, :3]).astype(
-        np.uint8
-    )
-    return table

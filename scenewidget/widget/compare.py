@@ -210,7 +210,8 @@ class Compare(widgets.VBox):
                 there = [level for level in LEVELS if level == "final" or level in segmentation.levels]
                 levels = {str(level): segmentation.level(level) for level in there}
                 names = {k: name for k, name in enumerate(segmentation.names) if name}
-                view.set_partition(levels, segmentation.labels, names, _mean_confidence(segmentation))
+                sure = _mean_confidence(segmentation)
+                view.set_segments(segmentation.labels, levels=levels, names=names, confidence=sure)
             keep_colors(found[-1], view.color_rows)
             view.status, view.progress, view.busy = "", 1.0, False
 

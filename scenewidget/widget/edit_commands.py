@@ -21,6 +21,7 @@ from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.widget.autosave import Autosave, spoken
 from scenewidget.widget.scene_view import SceneView
+from scenewidget.widget.wire import face_bits
 
 __all__ = ["EditCommands"]
 
@@ -158,10 +159,7 @@ class EditCommands:
         except EditError:
             pass  # told once a person asks for the cut
         finally:
-            first, last = (int(faces[0]), int(faces[-1])) if len(faces) else (0, -1)
-            is_in = np.zeros(last - first + 1, bool)
-            is_in[faces - first] = True
-            bits = np.packbits(is_in, bitorder="little").tobytes()
+            first, bits = face_bits(faces)
             answer = {"kind": "cut_preview", "request": message.get("request"), "first": first}
             self._view.send(answer, [bits])
 
@@ -186,21 +184,11 @@ class EditCommands:
             return
         state = session.snapshot()  # this event's or a newer one
         history, undone = session.history, session.undone
-        names = {i: name for i, name in enumerate(state.names) if name}
         view = self._view
         with self._lock, view.hold_sync():
             if state.revision >= self._shown_revision:
                 self._shown_revision = state.revision
-                view.set_atoms(
-                    state.atoms,
-                    state.parts,
-                    state.labels,
-                    names,
-                    state.confidence,
-                    state.ids,
-                    atom_confidence=state.atom_confidence,
-                    keeps_ids=state.automatic is self._shown_automatic,
-                )
+                view.show_snapshot(state, keeps_ids=state.automatic is self._shown_automatic)
                 session.keep_colors(dict(zip(state.ids.tolist(), view.color_rows.tolist(), strict=True)))
                 if state.automatic is not self._shown_automatic:
                     self._shown_automatic = state.automatic

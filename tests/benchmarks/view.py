@@ -37,7 +37,7 @@ halves = 2 * segments + (mesh.face_normals[:, 2] > 0.5)
 """
 SHOW = """
 view = SceneView(mesh, height=560)
-view.set_partition({"halves": halves, "final": segments}, segments)
+view.set_segments(segments, levels={"halves": halves, "final": segments})
 view
 """
 MERGE = """

@@ -34,7 +34,8 @@ def saved(page, tmp_path):
     scope = {}
     exec(LABELLED, scope)
     view = scope["view"]
-    view.set_segments(scope["surfaces"], NAMES, [0.5, 0.75, 1, 0.125, 0.25, 0.625])
+    sure = [0.5, 0.75, 1, 0.125, 0.25, 0.625]
+    view.set_segments(scope["surfaces"], names=NAMES, confidence=sure)
     view.editable, view.mode, view.busy, view.error = True, "edit", True, "wrong"
     path = view.to_html(tmp_path / "room.html", title=TITLE)
     assert path.stat().st_size < 1_000_000
@@ -99,7 +100,7 @@ def test_a_scan_takes_few_bytes_a_face(tmp_path):
     from scenewidget.widget.scene_view import SceneView
 
     view = SceneView(mesh)
-    view.set_partition({}, truth.labels)
+    view.set_segments(truth.labels, levels={})
     size = view.to_html(str(tmp_path / "room.html")).stat().st_size
     assert size < 0.4e6 + 16 * mesh.n_faces
 

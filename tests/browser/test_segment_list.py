@@ -45,9 +45,8 @@ class Rows:
 def room(notebook):
     """The labelled room with names and confidences, its list open."""
     names = "{2: 'wall 10', 3: 'wall 9', 0: '<i>floor</i>'}"
-    book = notebook(
-        [LABELLED + f"view.set_segments(surfaces, {names}, [0.5, 0.75, 1, 0.125, 0.25, 0.625])\nview"]
-    )
+    sure = "[0.5, 0.75, 1, 0.125, 0.25, 0.625]"
+    book = notebook([LABELLED + f"view.set_segments(surfaces, names={names}, confidence={sure})\nview"])
     book.run_all()
     view = book.view()
     view.settle()
@@ -191,7 +190,7 @@ def test_hundreds_of_segments_are_listed_and_scroll_into_sight(notebook):
         "centers = mesh.face_centroids\n"
         "many = np.unique(np.column_stack([surfaces, (centers / 0.45).astype(int)]), axis=0, "
         "return_inverse=True)[1].ravel()\n"
-        "view.set_partition({'final': many}, many)\nview"
+        "view.set_segments(many, levels={'final': many})\nview"
     )
     book = notebook([many])
     book.run_all()

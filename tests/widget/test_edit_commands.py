@@ -89,7 +89,9 @@ def test_neighbours_out_of_atoms_are_those_of_the_faces(commands, mesh):
         for wanted in (slice(None), slice(1, 3), slice(0)):
             is_wanted = np.zeros(labels.max() + 1, bool)
             is_wanted[wanted] = True
-            seen = {tuple(pair) for pair in view._segment_pairs(view._table, is_wanted).tolist()}
+            seen = {
+                tuple(pair) for pair in view._colors.segment_pairs(view._colors.table, is_wanted).tolist()
+            }
             assert seen == {pair for pair in expected if is_wanted[pair[0]]}
 
 

@@ -20,7 +20,7 @@ def room():
 def view(room):
     mesh, segmentation, _ = room
     view = sw.SceneView(mesh)
-    view.set_partition({"final": segmentation.labels}, segmentation.labels)
+    view.set_segments(segmentation.labels, levels={"final": segmentation.labels})
     return view
 
 

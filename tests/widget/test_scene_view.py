@@ -15,7 +15,8 @@ from shapes import box, grid_square
 from scenewidget.engine.atoms import common_refinement
 from scenewidget.engine.mesh import Mesh
 from scenewidget.widget import bundle
-from scenewidget.widget.scene_view import UNLABELLED, SceneView
+from scenewidget.widget.scene_view import SceneView
+from scenewidget.widget.wire import UNLABELED
 
 
 def array(view: SceneView, name: str) -> np.ndarray:
@@ -65,7 +66,7 @@ def test_a_coloured_scan_starts_in_its_colours():
 
 def test_repr_is_short_and_deterministic(view, quarters):
     assert repr(view) == "SceneView(32 faces)"
-    view.set_partition({}, quarters)
+    view.set_segments(quarters, levels={})
     assert repr(view) == "SceneView(32 faces, 4 segments)"
 
 
@@ -102,7 +103,7 @@ def test_labels_with_huge_numbers_are_no_problem():
 def test_tables_give_every_face_its_part_and_its_segment(view, quarters):
     fine = np.arange(32, dtype=np.int32) // 2
     segments = np.where(quarters == 3, -1, quarters)
-    view.set_partition({"fine": fine, "final": quarters}, segments)
+    view.set_segments(segments, levels={"fine": fine, "final": quarters})
     atom = array(view, "face_atom")
     np.testing.assert_array_equal(array(view, "atom_part")[:, atom], [fine, quarters])
     np.testing.assert_array_equal(array(view, "atom_segment")[atom], segments.astype(np.uint32))
@@ -110,7 +111,7 @@ def test_tables_give_every_face_its_part_and_its_segment(view, quarters):
 
 
 def test_an_edit_sends_one_table_and_the_edited_colour(view, quarters):
-    view.set_partition({"final": quarters}, quarters)
+    view.set_segments(quarters, levels={"final": quarters})
     atoms, colors = view._face_atom, view.segment_colors
     view.set_segments(np.where(quarters == 3, 1, quarters))
     assert view._face_atom is atoms
@@ -119,7 +120,7 @@ def test_an_edit_sends_one_table_and_the_edited_colour(view, quarters):
 
 
 def test_an_edit_that_cuts_through_atoms_sends_new_ones(view, quarters):
-    view.set_partition({"final": quarters}, quarters)
+    view.set_segments(quarters, levels={"final": quarters})
     colors = view.segment_colors
     cut = quarters.copy()
     cut[np.flatnonzero(quarters == 0)[0]] = 4
@@ -130,7 +131,7 @@ def test_an_edit_that_cuts_through_atoms_sends_new_ones(view, quarters):
 
 
 def test_what_is_hidden_stays_so_when_python_cuts_it(view, quarters):
-    view.set_partition({"quarters": quarters}, quarters)
+    view.set_segments(quarters, levels={"quarters": quarters})
     view._hidden = [int(np.flatnonzero(quarters == 3)[0])]  # as a page tells
     cut = np.where((quarters == 3) & (np.arange(len(quarters)) % 2 == 1), 4, quarters)
     view.set_segments(cut)
@@ -142,7 +143,7 @@ def test_what_is_hidden_stays_so_when_python_cuts_it(view, quarters):
 
 
 def test_a_segment_keeps_its_colour_by_its_id_and_a_new_one_gets_a_spare_one(view, quarters):
-    view.set_partition({"final": quarters}, quarters, ids=np.array([10, 11, 12, 13]))
+    view.set_segments(quarters, levels={"final": quarters}, ids=np.array([10, 11, 12, 13]))
     colors, sent = view.segment_colors, array(view, "segment_colors")
     np.testing.assert_array_equal(sent[:4], colors)
     merged = np.array([1, 0, 0, 2])[quarters]  # 11 and 12 have become the first, as 12
@@ -154,11 +155,11 @@ def test_a_segment_keeps_its_colour_by_its_id_and_a_new_one_gets_a_spare_one(vie
     np.testing.assert_array_equal(view.segment_colors, colors)
     with pytest.raises(ValueError, match=r"ids must have shape \(4,\), one a segment, got \(1,\)"):
         view.set_segments(quarters, ids=np.array([1]))
-    view.set_partition({"half": quarters // 2}, quarters)  # what was refused has left nothing behind
+    view.set_segments(quarters, levels={"half": quarters // 2})  # what was refused has left nothing behind
 
 
 def test_confidence_is_one_number_a_segment(view, quarters):
-    view.set_partition({}, quarters, confidence=[0.5, 1, 0, 0.25])
+    view.set_segments(quarters, levels={}, confidence=[0.5, 1, 0, 0.25])
     np.testing.assert_array_equal(array(view, "segment_confidence"), np.float32([0.5, 1, 0, 0.25]))
     np.testing.assert_array_equal(array(view, "atom_confidence"), [32768, 65535, 1, 16384])  # by atom
     message = r"confidence must have shape \(32,\), one a face, or \(4,\), one a segment, got \(3,\)"
@@ -176,7 +177,7 @@ def test_confidence_of_faces_becomes_means_over_the_area(quarters):
     view = SceneView(stretched)
     sure = np.random.default_rng(0).random(32)
     pairs = np.arange(32) // 2
-    view.set_partition({"pairs": pairs}, np.where(quarters == 3, -1, quarters), confidence=sure)
+    view.set_segments(np.where(quarters == 3, -1, quarters), levels={"pairs": pairs}, confidence=sure)
     areas = stretched.face_areas
     expected = [np.average(sure[pairs == i], weights=areas[pairs == i]) for i in range(16)]
     face_code = array(view, "atom_confidence")[array(view, "face_atom")]
@@ -198,6 +199,29 @@ def test_answers_are_kept_for_the_pages_that_asked_last(view):
     assert "39" in view._answers
 
 
+def test_the_old_ways_to_show_segments_still_work_and_say_what_is_new(view, quarters):
+    with pytest.warns(
+        DeprecationWarning, match=r"set_partition.* is now set_segments\(segments, levels=levels\)"
+    ):
+        view.set_partition({"final": quarters}, quarters, {1: "chair"}, [0.5, 1, 0, 0.25])
+    assert (view.levels, view.segment_names) == (["final"], {"1": "chair"})
+    with pytest.warns(
+        DeprecationWarning, match="set_segments takes names, confidence by keyword: names=…, confid"
+    ):
+        view.set_segments(quarters, {2: "table"}, [1, 1, 1, 1])
+    assert (view.segment_names, array(view, "segment_confidence").tolist()) == ({"2": "table"}, [1.0] * 4)
+    atoms, table = common_refinement([quarters], 32), np.arange(4)
+    with pytest.warns(DeprecationWarning, match=r"is now show_snapshot\(session.snapshot\(\)\)"):
+        view.set_atoms(atoms, {}, table)
+    with pytest.warns(DeprecationWarning, match=r"is now clear_segments\(\)"):
+        view.clear_partition()
+    assert view.n_segments == 0
+    with pytest.raises(TypeError, match="positional arguments"):
+        view.set_segments(quarters, {}, None, None, None)
+    with pytest.raises(TypeError, match="positional arguments"):
+        view.set_segments(quarters, {}, names={})
+
+
 def test_labels_alone_need_no_levels(view, quarters):
     view.set_segments(quarters, names={2: "chair"})
     assert (view.levels, view.level, view.n_segments) == ([], "", 4)
@@ -205,16 +229,16 @@ def test_labels_alone_need_no_levels(view, quarters):
 
 
 def test_the_first_segments_are_shown_at_once_but_a_choice_is_kept(view, quarters):
-    view.set_partition({}, quarters)
+    view.set_segments(quarters, levels={})
     assert view.color_by == "segments"
     view.color_by = "shaded"
-    view.set_partition({}, quarters)
+    view.set_segments(quarters, levels={})
     assert view.color_by == "shaded"
 
 
 def test_segments_can_be_taken_away(view, quarters):
-    view.set_partition({"final": quarters}, quarters)
-    view.clear_partition()
+    view.set_segments(quarters, levels={"final": quarters})
+    view.clear_segments()
     assert (view.n_segments, view.levels, view._face_atom) == (0, [], b"")
     assert repr(view) == "SceneView(32 faces)"
     view.set_segments(quarters)
@@ -222,9 +246,9 @@ def test_segments_can_be_taken_away(view, quarters):
 
 
 def test_no_segment_at_all_is_drawn_grey(view):
-    view.set_partition({}, np.full(32, -1))
+    view.set_segments(np.full(32, -1), levels={})
     assert view.n_segments == 0
-    assert (array(view, "atom_segment") == UNLABELLED).all()
+    assert (array(view, "atom_segment") == UNLABELED).all()
 
 
 @pytest.mark.parametrize(
@@ -232,23 +256,23 @@ def test_no_segment_at_all_is_drawn_grey(view):
     [
         (np.zeros(31, int), ValueError, r"segments must have shape \(32,\), one label a face, got \(31,\)"),
         (np.zeros(32), TypeError, "segments must hold whole numbers, got dtype float64"),
-        (np.full(32, -2), ValueError, r"segments must hold -1 \(unlabelled\) and up, got -2"),
+        (np.full(32, -2), ValueError, r"segments must hold -1 \(unlabeled\) and up, got -2"),
         (np.full(32, 32), ValueError, "segments must be below the number of faces, 32, got 32"),
     ],
 )
 def test_wrong_labels_are_refused_before_anything_changes(view, labels, error, message):
     with pytest.raises(error, match=message):
-        view.set_partition({}, labels)
+        view.set_segments(labels, levels={})
     assert (view.revision, view._face_atom) == (0, b"")
 
 
 def test_a_wrong_level_is_named(view, quarters):
     with pytest.raises(ValueError, match=r"levels\['base'\] must have shape"):
-        view.set_partition({"base": quarters[1:]}, quarters)
+        view.set_segments(quarters, levels={"base": quarters[1:]})
     with pytest.raises(TypeError, match="levels must map names to labels, got list"):
-        view.set_partition([quarters], quarters)
+        view.set_segments(quarters, levels=[quarters])
     view.level = "half"  # may be chosen before there are any
-    view.set_partition({"half": quarters // 2, "final": quarters}, quarters)
+    view.set_segments(quarters, levels={"half": quarters // 2, "final": quarters})
     with pytest.raises(ValueError, match="level must be one of 'half', 'final', got 'base'"):
         view.level = "base"
     assert view.level == "half"
@@ -256,7 +280,7 @@ def test_a_wrong_level_is_named(view, quarters):
 
 def test_names_must_be_of_segments_and_a_family_must_be_one(view, quarters):
     with pytest.raises(TypeError, match="names must map segments to names, got list"):
-        view.set_partition({}, quarters, ["wall"])
+        view.set_segments(quarters, names=["wall"])
     assert view.revision == 0
     with pytest.raises(TypeError, match="family must be a Family or None, got int"):
         view.set_family(3)
@@ -362,5 +386,5 @@ def test_labels_of_a_large_scan():
     view = SceneView(mesh)
     x, y = mesh.face_centroids[:, 0], mesh.face_centroids[:, 1]
     levels = {str(n): (n * np.floor(n * x) + np.floor(n * y)).astype(np.int32) for n in (70, 22, 9)}
-    view.set_partition(levels, levels["9"])
+    view.set_segments(levels["9"], levels=levels)
     assert view.n_segments == 81
