@@ -33,7 +33,7 @@ from scenewidget.engine.moments import Moments, face_moments, moment_origin
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.preprocess import filter_normals, simplify
 
-__all__ = ["Items", "Touching", "find_bridges", "simplified_items", "superfacet_items"]
+__all__ = ["Items", "Touching", "find_bridges", "patch_items", "simplified_items", "superfacet_items"]
 
 T = TypeVar("T", bound=np.generic)
 
@@ -213,7 +213,9 @@ def simplified_items(mesh: Mesh, pairs: IntArray, *, monitor: Monitor | None = N
     small = simplified.mesh
     item_of_face = np.arange(small.n_faces, dtype=np.int32)
     face_pairs = np.concatenate([face_adjacency(small), simplified.bridges])
-    return _build(small, item_of_face, simplified.face_map, face_pairs, small.face_normals, simplified.report)
+    return patch_items(
+        small, item_of_face, pairs=face_pairs, face_map=simplified.face_map, report=simplified.report
+    )
 
 
 def superfacet_items(
@@ -285,7 +287,56 @@ def superfacet_items(
         "faces floating free of everything": int((face_map < 0).sum()),
         "bridges between fragments": len(bridges),
     }
-    return monitor.call(_build, mesh, item, face_map, links, normals, report)
+    return monitor.call(
+        patch_items, mesh, item, pairs=links, normals=normals, face_map=face_map, report=report
+    )
+
+
+def patch_items(
+    mesh: Mesh,
+    patch: IntArray,
+    *,
+    pairs: IntArray | None = None,
+    normals: FloatArray | None = None,
+    face_map: IntArray | None = None,
+    report: dict[str, Any] | None = None,
+) -> Items:
+    """Given patches as items: sums over their faces, and the graph of patches from the graph of faces.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        What the patches are made of.
+    patch : (n_faces,) int
+        Patch of each face, dense; −1 for faces that are dropped.
+    pairs : (n_pairs, 2) int, optional
+        Neighbouring faces; `face_adjacency` by default.
+    normals : (n_faces, 3) float, optional
+        Those that ``seam_dot`` compares; of the faces by default.
+    face_map : (n_raw_faces,) int32, optional
+        Patch of each face of the mesh as loaded, where that is another mesh or has more faces in patches.
+    report : dict, optional
+    """
+    item_of_face = np.asarray(patch, dtype=np.int32)
+    face_pairs = face_adjacency(mesh) if pairs is None else pairs
+    normals = mesh.face_normals if normals is None else normals
+    n = int(item_of_face.max()) + 1
+    moments = face_moments(mesh).gather(item_of_face, n)
+    keep = item_of_face >= 0
+    vectors = np.stack([np.bincount(item_of_face[keep], v[keep], n) for v in mesh.face_vectors.T], axis=1)
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    item_normals = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
+    ends = item_of_face[face_pairs]
+    is_seam = (ends >= 0).all(axis=1) & (ends[:, 0] != ends[:, 1])
+    ends, faces = np.sort(ends[is_seam], axis=1).astype(np.int64), face_pairs[is_seam]
+    code, seam_pair = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
+    pairs = np.stack([code // n, code % n], axis=1).astype(np.int32)
+    seam_dot = np.einsum("ij,ij->i", normals[faces[:, 0]], normals[faces[:, 1]]).astype(np.float32)
+    centroids = moments.centroid + moment_origin(mesh)
+    return Items(
+        moments.area, centroids, item_normals, moments, pairs, seam_pair.astype(np.int32), seam_dot,
+        mesh, item_of_face, item_of_face if face_map is None else face_map, report or {},
+    )  # fmt: skip
 
 
 def _with_crumbs(is_kept: BoolArray, count: IntArray, area: FloatArray, n_items: int) -> BoolArray:
@@ -380,31 +431,3 @@ def _nearest_elsewhere(
         asking = asking[~hit & np.isfinite(distance[:, -1])]
         k *= 4
     return np.concatenate(found)
-
-
-def _build(
-    mesh: Mesh,
-    item_of_face: IntArray,
-    face_map: IntArray,
-    face_pairs: IntArray,
-    normals: FloatArray,
-    report: dict[str, Any],
-) -> Items:
-    """Items from a label per face: sums over faces, and the graph of items from the graph of faces."""
-    n = int(item_of_face.max()) + 1
-    moments = face_moments(mesh).gather(item_of_face, n)
-    keep = item_of_face >= 0
-    vectors = np.stack([np.bincount(item_of_face[keep], v[keep], n) for v in mesh.face_vectors.T], axis=1)
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    item_normals = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
-    ends = item_of_face[face_pairs]
-    is_seam = (ends >= 0).all(axis=1) & (ends[:, 0] != ends[:, 1])
-    ends, faces = np.sort(ends[is_seam], axis=1).astype(np.int64), face_pairs[is_seam]
-    code, seam_pair = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
-    pairs = np.stack([code // n, code % n], axis=1).astype(np.int32)
-    seam_dot = np.einsum("ij,ij->i", normals[faces[:, 0]], normals[faces[:, 1]]).astype(np.float32)
-    centroids = moments.centroid + moment_origin(mesh)
-    return Items(
-        moments.area, centroids, item_normals, moments, pairs, seam_pair.astype(np.int32), seam_dot,
-        mesh, item_of_face, face_map, report,
-    )  # fmt: skip

@@ -198,7 +198,7 @@ def with_planes(mesh: sw.Mesh, pieces: IntArray, patches: IntArray, normals: Flo
     code = pieces.astype(np.int64) * (int(patches.max()) + 1) + patches
     _, first, item = np.unique(code, return_index=True, return_inverse=True)
     item = item.astype(np.int32)
-    patch_items = items._build(mesh, item, item, np.empty((0, 2), np.int32), normals, {})
+    patch_items = items.patch_items(mesh, item, pairs=np.empty((0, 2), np.int32), normals=normals)
     return hull.join_planes(patch_items, pieces[first])[item]
 
 

@@ -4,17 +4,11 @@ import numpy as np
 import shapes
 from hypothesis import given
 from hypothesis import strategies as st
+from patches import faces_as_items
 from strategies import graphs
 
 from scenewidget.engine.finish import absorb_small, connected_pieces
-from scenewidget.engine.items import simplified_items
-from scenewidget.engine.mesh import Mesh, connected_components, face_adjacency
-
-
-def faces_as_items(mesh):
-    """One item a face."""
-    options = {"coverage": 1.0, "smallest": 0.0, "smallest_simplified": 0.0}
-    return simplified_items(mesh, face_adjacency(mesh), n_faces=10**6, **options)
+from scenewidget.engine.mesh import Mesh, connected_components
 
 
 def together(labels):

@@ -5,8 +5,8 @@ import shapes
 
 from scenewidget.engine.consensus import co_association
 from scenewidget.engine.furniture import join_furniture
-from scenewidget.engine.items import _build
-from scenewidget.engine.mesh import Mesh, face_adjacency
+from scenewidget.engine.items import patch_items
+from scenewidget.engine.mesh import Mesh
 
 ANY = (0.0, 1.0)
 
@@ -16,8 +16,7 @@ def sheet(patch_of, size=1.0, n=12):
     square = shapes.grid_square(n)
     mesh = Mesh(size * square.vertices, square.faces)
     x, y, _ = mesh.face_centroids.T
-    patch = patch_of(x, y).astype(np.int32)
-    return _build(mesh, patch, patch, face_adjacency(mesh), mesh.face_normals, {})
+    return patch_items(mesh, patch_of(x, y))
 
 
 def strips(x, y):

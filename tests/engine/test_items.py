@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import nasty_meshes
 
-from scenewidget.engine.items import find_bridges, simplified_items, superfacet_items
+from scenewidget.engine.items import find_bridges, patch_items, simplified_items, superfacet_items
 from scenewidget.engine.mesh import Mesh, MeshError, connected_components, face_adjacency
 
 
@@ -218,3 +218,35 @@ def test_each_border_face_finds_its_nearest_of_another_fragment():
 def test_a_closed_thing_in_an_open_room_has_nothing_to_bridge():
     mesh = shapes.joined(shapes.grid_square(20), shapes.icosphere(1, radius=0.1), gap=1.1)
     assert find_bridges(mesh, face_adjacency(mesh), 0.5).shape == (0, 2)
+
+
+def test_tints_tell_colours_apart_and_shadows_not():
+    colors = np.array([[120, 120, 120], [60, 60, 60], [180, 90, 120], [120, 120, 60]])
+    mesh = Mesh(np.repeat(shapes.grid_square(1).vertices[:3], 4, axis=0), np.arange(12).reshape(3, 4).T)
+    mesh = Mesh(mesh.vertices, mesh.faces, np.tile(colors, (3, 1)).astype(np.uint8))
+    green, blue = patch_items(mesh, np.arange(4)).face_tints
+    np.testing.assert_allclose(green, [0, 0, np.log(190 / 100), 0], atol=1e-12)
+    np.testing.assert_allclose(blue, [0, 0, 0.5 * np.log(190 * 100 / 130**2), np.log(130 / 70)], atol=1e-12)
+
+
+def halves():
+    """A square in two items of two faces each, and one face that is dropped."""
+    mesh = shapes.grid_square(2)
+    return patch_items(mesh, np.array([0, 0, 0, 0, 1, 1, -1, 2]))
+
+
+def test_labels_touch_where_items_of_both_are_neighbours():
+    items = halves()
+    np.testing.assert_array_equal(items.touching(np.arange(3)).labels, items.pairs)
+    np.testing.assert_array_equal(items.touching(np.arange(3)).seam_edges, items.seam_edges)
+    assert items.touching(np.zeros(3, int)).labels.shape == (0, 2)
+    assert items.touching(np.array([5, 5, -1])).labels.shape == (0, 2)
+    assert items.touching(np.array([5, 4, -1])).labels.tolist() == [[5, 4]]
+
+
+def test_values_of_items_go_to_faces_and_those_of_vertices_to_items():
+    items = halves()
+    assert items.to_faces(np.array([7, 8, 9], np.int32), -1).tolist() == [7, 7, 7, 7, 8, 8, -1, 9]
+    assert items.to_faces(np.array([0.5, 1.0, 2.0], np.float32), 0.0).dtype == np.float32
+    # a linear function has its mean at the centroid
+    np.testing.assert_allclose(items.from_vertices(items.mesh.vertices), items.centroids, atol=1e-12)

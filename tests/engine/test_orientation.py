@@ -6,17 +6,12 @@ import warnings
 import numpy as np
 import pytest
 import shapes
+from patches import faces_as_items
 
 import scenewidget as sw
 from scenewidget.datasets.analytic import sphere
-from scenewidget.engine.items import simplified_items
-from scenewidget.engine.mesh import Mesh, face_adjacency
+from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.orientation import facing, oriented
-
-
-def faces_as_items(mesh):
-    options = {"coverage": 1.0, "smallest": 0.0, "smallest_simplified": 0.0}
-    return simplified_items(mesh, face_adjacency(mesh), n_faces=10**6, **options)
 
 
 def turned(mesh):
