@@ -27,7 +27,6 @@ from scenewidget.engine.mesh import (
     Mesh,
     MeshError,
     connected_components,
-    face_adjacency,
 )
 from scenewidget.engine.moments import Moments, face_moments, moment_origin
 from scenewidget.engine.monitor import SILENT, Monitor
@@ -212,9 +211,8 @@ def simplified_items(mesh: Mesh, pairs: IntArray, *, monitor: Monitor | None = N
     simplified = simplify(mesh, pairs, monitor=monitor, **options)
     small = simplified.mesh
     item_of_face = np.arange(small.n_faces, dtype=np.int32)
-    face_pairs = np.concatenate([face_adjacency(small), simplified.bridges])
     return patch_items(
-        small, item_of_face, pairs=face_pairs, face_map=simplified.face_map, report=simplified.report
+        small, item_of_face, pairs=simplified.pairs, face_map=simplified.face_map, report=simplified.report
     )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import threading
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -15,6 +16,7 @@ from typing import Any, Literal
 import numba
 import numpy as np
 from scipy import sparse
+from scipy.spatial import cKDTree
 
 from scenewidget.engine.mesh import (
     BoolArray,
@@ -32,6 +34,7 @@ __all__ = ["Simplified", "filter_normals", "keep_components", "neighbor_table", 
 
 Simplifier = Literal["fast", "qslim"]
 _FAST_EDGE = 0.02  # mean length that fast-simplification is given: its thresholds are absolute, for metres
+MOST_CUT = 0.1  # share of the sides of faces; raw scans have up to 0.01
 _FAST_SIMPLIFICATION = threading.Lock()  # the library keeps its mesh in a global variable
 
 
@@ -74,17 +77,25 @@ class Simplified:
     ----------
     mesh : Mesh
         Without degenerate faces and without components below the smallest share.
+    component : (mesh.n_faces,) int32
+        Connected component of the raw mesh that each simplified face comes from, numbered from the one
+        with most raw faces; of those that are left.
     face_map : (n_raw_faces,) int32
-        Nearest simplified face of each raw face, −1 where it was dropped.
+        Nearest simplified face of each raw face, of those from its own component; −1 where it was dropped.
+    pairs : (n_pairs, 2) int32
+        Neighbours: simplified faces that share an edge, then ``bridges``. The connected components of this
+        graph are those in ``component``, no more and no fewer.
     bridges : (n_bridges, 2) int32
-        Pairs of simplified faces that belong to neighbouring raw faces, where the simplifier tore the
-        surface apart.
+        Neighbours where the simplifier tore the surface apart: the faces that two adjacent raw faces are
+        nearest to, and where no raw faces tell, the nearest faces of two pieces.
     report : dict
         What was reached and dropped, for the user.
     """
 
     mesh: Mesh
+    component: IntArray
     face_map: IntArray
+    pairs: IntArray
     bridges: IntArray
     report: dict[str, Any] = field(default_factory=dict)
 
@@ -98,10 +109,14 @@ def simplify(
     coverage: float = 0.98,
     smallest: float = 0.005,
     smallest_simplified: float = 0.01,
+    drop_torn: bool = False,
     tolerance: float = 2.0,
     monitor: Monitor | None = None,
 ) -> Simplified:
     """Simplify the large components by quadric error metrics and map the result back (thesis 3.1).
+
+    Components of the raw mesh stay apart, however close they lie: no simplified face and no pair of
+    neighbours belongs to two of them, and a raw face finds its place in its own.
 
     Parameters
     ----------
@@ -111,92 +126,186 @@ def simplify(
     n_faces : int
         Target; a smaller mesh is kept as it is.
     simplifier : str
-        "fast": fast-simplification, seconds at a million faces, may leave non-manifold edges; where it
-        stops above the target, as on fragmented scans, shortest edges are collapsed for the rest. "qslim":
-        libigl's, slower by ten times, keeps manifold meshes manifold and refuses others.
+        "fast": fast-simplification, seconds at a million faces, tears noisy surfaces into pieces. "qslim":
+        libigl's, ten times slower; it gets the mesh cut open along non-manifold edges. Where either stops
+        above the target, as on fragmented scans, shortest edges are collapsed for the rest.
     coverage, smallest : float
         See `keep_components`.
     smallest_simplified : float
-        Components below this share of the simplified and of the raw faces are dropped. Pieces that the
-        simplifier tore off count with the component that they came from.
+        Components below this share of the simplified faces are dropped.
+    drop_torn : bool
+        What counts as a component in that. True: a connected piece of the simplified mesh, to the letter
+        of the thesis, so what the simplifier tore off is mostly dropped. False: all that comes from one
+        component of the raw mesh, and its share of the raw faces counts where it is larger, so what the
+        simplifier tore or thinned out stays.
     tolerance : float
         A raw face stays unlabeled if it lies farther from the simplified surface than this share of the
-        root of the mean simplified face area.
+        root of the mean simplified face area; ``inf`` sets no limit.
     monitor : Monitor, optional
         Told how far it is; stops it on cancel.
 
     References
     ----------
     Garland and Heckbert (1997), SIGGRAPH.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.engine.preprocess import simplify
+    >>> mesh, truth = sw.datasets.load_room()
+    >>> small = simplify(mesh, n_faces=2_000)
+    >>> small.report["components kept"]
+    2
     """
     monitor = monitor or SILENT
     if simplifier not in ("fast", "qslim"):
         raise ValueError(f"simplifier must be 'fast' or 'qslim', got {simplifier!r}")
     pairs = face_adjacency(mesh) if pairs is None else pairs
-    n_components, component = connected_components(mesh.n_faces, pairs)
-    is_kept = keep_components(component, n_components, coverage=coverage, smallest=smallest)
+    n_components, raw_component = connected_components(mesh.n_faces, pairs)
+    is_kept = keep_components(raw_component, n_components, coverage=coverage, smallest=smallest)
+    kept = np.flatnonzero(is_kept)
+    component = np.full(mesh.n_faces, -1, dtype=np.int32)
+    component[kept] = _by_size(raw_component[kept])
     monitor.tick(0.05)
 
-    merged = weld(mesh)[mesh.faces[is_kept]]
-    is_degenerate = (merged == np.roll(merged, 1, axis=1)).any(axis=1)
-    if is_degenerate.all():
-        raise MeshError("all faces of the mesh are degenerate (two corners at one place): it has no surface")
-    used, compact = np.unique(merged[~is_degenerate], return_inverse=True)
-    vertices: FloatArray = mesh.vertices[used]
-    faces: IntArray = compact.reshape(-1, 3).astype(np.int32)
-    if len(faces) > n_faces:
-        run = _fast if simplifier == "fast" else _qslim
-        vertices, faces = monitor.call(run, vertices, faces, n_faces)
-    monitor.tick(0.6)
-
-    reached = len(faces)
-    small = Mesh(vertices, faces)
-    is_solid = small.face_areas > 0
+    corners = weld(mesh)[mesh.faces]
+    is_solid = is_kept & ~(corners == np.roll(corners, 1, axis=1)).any(axis=1)
     if not is_solid.any():
+        raise MeshError("all faces of the mesh are degenerate (two corners at one place): it has no surface")
+    run = _fast if simplifier == "fast" else _qslim
+    small, origin = monitor.call(
+        _simplified, mesh.vertices, corners[is_solid], component[is_solid], n_faces, run
+    )
+    reached = small.n_faces
+    monitor.tick(0.6)
+    has_area = small.face_areas > 0
+    if not has_area.any():
         raise MeshError("the mesh has no face with an area: it has no surface to segment")
-    if not is_solid.all():
-        small = Mesh(small.vertices, small.faces[is_solid])
+    small, origin = _with_faces(small, has_area), origin[has_area]
+
     face_map: IntArray = np.full(mesh.n_faces, -1, dtype=np.int32)
-    kept_faces = np.flatnonzero(is_kept)
-    face_map[kept_faces], distance = _closest(mesh.face_centroids[kept_faces], small, monitor)
+    distance = np.full(mesh.n_faces, np.inf)
+    for c in range(int(component.max()) + 1):
+        raw, own = np.flatnonzero(component == c), np.flatnonzero(origin == c)
+        if len(own):
+            part = _with_faces(small, origin == c)
+            nearest, distance[raw] = _closest(mesh.face_centroids[raw], part, monitor)
+            face_map[raw] = own[nearest]
 
-    piece_count, piece = connected_components(small.n_faces, face_adjacency(small))
-    origin = np.full(piece_count, -1, dtype=np.int64)
-    origin[piece[face_map[kept_faces]]] = component[kept_faces]
-    share = np.bincount(origin[piece] + 1, minlength=n_components + 1) / small.n_faces
-    raw_share = np.bincount(component + 1, minlength=n_components + 1) / len(kept_faces)
-    share = np.maximum(share, raw_share)  # what the simplifier thinned out does not count as small
-    share[0] = 0.0  # pieces that no raw face is nearest to
-    is_large = share >= min(smallest_simplified, share.max())
-    stays = is_large[origin[piece] + 1]
-    small, face_map = _keep_faces(small, stays, face_map)
+    raw_share = np.bincount(component[kept]) / len(kept)
+    stays = _is_large(small, origin, raw_share, smallest_simplified, drop_torn)
+    renumber = np.append(np.where(stays, np.cumsum(stays) - 1, -1), -1).astype(np.int32)
+    small, origin, face_map = _with_faces(small, stays), origin[stays], renumber[face_map]
 
+    n_lost = len(kept) - int((face_map >= 0).sum())
     limit = tolerance * np.sqrt(small.face_areas.mean())
-    beyond = np.zeros(mesh.n_faces, dtype=bool)
-    beyond[kept_faces] = distance > limit
-    torn = face_map[pairs]
-    torn = torn[(torn >= 0).all(axis=1) & ~beyond[pairs].any(axis=1)]
-    torn = np.unique(np.sort(torn[piece[stays][torn[:, 0]] != piece[stays][torn[:, 1]]], axis=1), axis=0)
-    face_map[beyond] = -1
+    is_beyond = (face_map >= 0) & (distance > limit)
+    face_map[is_beyond] = -1
+    touching = _touching(small, origin)
+    bridges = _bridges(small, origin, touching, face_map[pairs])
     report = {
+        "components kept": len(np.unique(origin)),
         "faces in dropped components": int((~is_kept).sum()),
-        "faces beyond the tolerance": int(beyond.sum()),
+        "faces in components that simplified to nothing or too little": n_lost,
+        "faces beyond the tolerance": int(is_beyond.sum()),
         "tolerance in metres": float(limit),
         "simplified faces asked for": int(n_faces),
         "simplified faces reached": reached,
         "simplified faces dropped": reached - small.n_faces,
     }
-    return Simplified(small, face_map, torn, report)
+    origin = np.unique(origin, return_inverse=True)[1].astype(np.int32)
+    return Simplified(small, origin, face_map, np.concatenate([touching, bridges]), bridges, report)
 
 
-def _keep_faces(mesh: Mesh, stays: BoolArray, face_map: IntArray) -> tuple[Mesh, IntArray]:
-    """The mesh without some faces, and a map to its faces renumbered, -1 to those that are gone."""
+def _by_size(component: IntArray) -> IntArray:
+    """Components numbered by descending number of faces, equal ones in their order."""
+    _, place, count = np.unique(component, return_inverse=True, return_counts=True)
+    rank = np.empty(len(count), dtype=np.int32)
+    rank[np.argsort(-count, kind="stable")] = np.arange(len(count))
+    return rank[place]
+
+
+def _simplified(
+    vertices: FloatArray,
+    faces: IntArray,
+    component: IntArray,
+    target: int,
+    run: Callable[[FloatArray, IntArray, int], tuple[FloatArray, IntArray]],
+) -> tuple[Mesh, IntArray]:
+    """All components simplified together, and the component of each simplified face.
+
+    No simplifier tells where its faces come from, but none joins what doesn't touch. So the components are
+    moved apart along x, simplified, recognised by where they lie, and moved back.
+    """
+    n = len(vertices)
+    code = component[:, None].astype(np.int64) * n + faces  # what two components share is one vertex of each
+    used, compact = np.unique(code, return_inverse=True)
+    vertices, owner = vertices[used % n], used // n
+    faces = compact.reshape(-1, 3).astype(np.int32)
+    if len(faces) <= target:
+        return Mesh(vertices, faces), component
+    middle = 0.5 * (vertices[:, 0].min() + vertices[:, 0].max())
+    stride = 4.0 * float(np.ptp(vertices, axis=0).max())  # metres; vertices may end outside of the old bounds
+    along_x = np.array([stride, 0.0, 0.0])
+    vertices, faces = run(vertices + owner[:, None] * along_x, faces, target)
+    place = np.clip(np.rint((vertices[:, 0] - middle) / stride), 0, component.max()).astype(np.int64)
+    n_pieces, piece = connected_components(len(vertices), faces[:, [0, 1, 1, 2]].reshape(-1, 2))
+    votes = np.zeros((n_pieces, int(component.max()) + 1), dtype=np.int64)
+    np.add.at(votes, (piece, place), 1)
+    owner = votes.argmax(axis=1)[piece]
+    return Mesh(vertices - owner[:, None] * along_x, faces), owner[faces[:, 0]].astype(np.int32)
+
+
+def _is_large(
+    small: Mesh, origin: IntArray, raw_share: FloatArray, smallest: float, drop_torn: bool
+) -> BoolArray:
+    """(small.n_faces,) whether a face lies in a component worth keeping; the largest is."""
+    if drop_torn:
+        group = connected_components(small.n_faces, _touching(small, origin))[1]
+        share = np.bincount(group) / small.n_faces
+    else:
+        group = origin
+        share = np.maximum(np.bincount(origin, minlength=len(raw_share)) / small.n_faces, raw_share)
+        share[np.bincount(origin, minlength=len(raw_share)) == 0] = 0.0
+    stays: BoolArray = (share >= min(smallest, share.max()))[group]
+    return stays
+
+
+def _touching(small: Mesh, origin: IntArray) -> IntArray:
+    """Faces of one component that share an edge."""
+    pairs = face_adjacency(small)
+    inside: IntArray = pairs[origin[pairs[:, 0]] == origin[pairs[:, 1]]]
+    return inside
+
+
+def _bridges(small: Mesh, origin: IntArray, touching: IntArray, ends: IntArray) -> IntArray:
+    """Pairs of faces that make each component one piece again; ``ends`` are those of adjacent raw faces."""
+    _, piece = connected_components(small.n_faces, touching)
+    torn = ends[(ends >= 0).all(axis=1)]
+    torn = np.sort(torn[piece[torn[:, 0]] != piece[torn[:, 1]]], axis=1)
+    bridges = np.unique(torn, axis=0).astype(np.int32)
+    _, piece = connected_components(small.n_faces, np.concatenate([touching, bridges]))
+    found = [bridges]
+    for c in np.unique(origin):
+        inside = np.flatnonzero(origin == c)
+        _, place, count = np.unique(piece[inside], return_inverse=True, return_counts=True)
+        main = inside[place == count.argmax()]
+        lost = inside[place != count.argmax()]
+        if len(lost) == 0:
+            continue
+        distance, near = cKDTree(small.face_centroids[main]).query(small.face_centroids[lost])
+        order = np.lexsort((distance, piece[lost]))
+        _, first = np.unique(piece[lost][order], return_index=True)
+        found.append(np.sort(np.stack([lost, main[near]], axis=1)[order[first]], axis=1))
+    return np.concatenate(found).astype(np.int32)
+
+
+def _with_faces(mesh: Mesh, stays: BoolArray) -> Mesh:
+    """The mesh without the other faces and without vertices that none of these has."""
     if stays.all():
-        return mesh, face_map
+        return mesh
     used, compact = np.unique(mesh.faces[stays], return_inverse=True)
-    renumber = np.full(mesh.n_faces + 1, -1, dtype=np.int32)  # the last entry is for face_map = -1
-    renumber[np.flatnonzero(stays)] = np.arange(int(stays.sum()), dtype=np.int32)
-    return Mesh(mesh.vertices[used], compact.reshape(-1, 3)), renumber[face_map]
+    return Mesh(mesh.vertices[used], compact.reshape(-1, 3))
 
 
 def _fast(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
@@ -259,21 +368,45 @@ def _shortest_edges(vertices: FloatArray, faces: IntArray, target: int) -> tuple
 
 
 def _qslim(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
+    """libigl's, on the mesh cut open where it is no manifold: it refuses others, or never returns."""
     import igl
 
-    halves = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).astype(np.int64)
-    if len(np.unique(halves[:, 0] * len(vertices) + halves[:, 1])) < len(halves):  # qslim would never return
+    corners, share = _cut_open(faces)
+    if share > MOST_CUT:
         raise MeshError(
-            "simplifier='qslim' needs a mesh without non-manifold edges whose faces are all wound the same "
-            "way, and this one has an edge that two faces run through in one direction; use simplifier='fast'"
+            f"simplifier='qslim' needs a manifold, and {share:.0%} of the sides of this mesh's faces lie at "
+            "edges with more than two faces or with two that are not wound the same way (trimesh.repair."
+            "fix_winding mends the second); use simplifier='fast'"
         )
-    out_vertices, out_faces, _, _ = igl.qslim(vertices, faces.astype(np.int64), int(target))
-    if len(out_faces) == 0:
-        raise MeshError(
-            "simplifier='qslim' needs a mesh without non-manifold edges, and this one has some; "
-            "use simplifier='fast'"
-        )
-    return np.asarray(out_vertices), np.asarray(out_faces, dtype=np.int32)
+    apart = np.empty((int(corners.max()) + 1, 3))
+    apart[corners.ravel()] = vertices[faces.ravel()]
+    vertices, faces, _, _ = igl.qslim(apart, corners.astype(np.int64), int(target))
+    if len(faces) == 0:  # a target of a few faces
+        vertices, faces = apart, corners
+    vertices, faces = np.asarray(vertices), np.asarray(faces, dtype=np.int32)
+    return (vertices, faces) if len(faces) <= 1.05 * target else _shortest_edges(vertices, faces, target)
+
+
+def _cut_open(faces: IntArray) -> tuple[IntArray, float]:
+    """(n_faces, 3) new corners, and the share of the sides of faces at which something was cut.
+
+    Two faces share corners only at edges that are theirs alone and that they run through in opposite
+    directions. So every edge has one or two faces, and those around a vertex form one fan.
+    """
+    half = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2).astype(np.int64)
+    code = half.min(axis=1) * (int(faces.max()) + 1) + half.max(axis=1)
+    order = np.argsort(code, kind="stable")
+    start = np.flatnonzero(np.concatenate([[True], np.diff(code[order]) != 0]))
+    count = np.diff(np.append(start, len(code)))
+    is_pair = count == 2
+    one, other = order[start[is_pair]], order[start[is_pair] + 1]
+    is_wound_well = half[one, 0] != half[other, 0]
+    cut = int(count[count > 2].sum()) + 2 * int((~is_wound_well).sum())
+    one, other = one[is_wound_well], other[is_wound_well]
+    here, there = (edge - edge % 3 + (edge + 1) % 3 for edge in (one, other))  # the corners at their far ends
+    same = np.concatenate([np.stack([one, there], axis=1), np.stack([here, other], axis=1)])
+    corners = connected_components(len(half), same)[1].reshape(-1, 3).astype(np.int32)
+    return corners, cut / len(half)
 
 
 def _closest(points: FloatArray, mesh: Mesh, monitor: Monitor) -> tuple[IntArray, FloatArray]:
@@ -290,7 +423,7 @@ def _closest(points: FloatArray, mesh: Mesh, monitor: Monitor) -> tuple[IntArray
         )
         nearest[start : start + step] = face
         distance[start : start + step] = np.sqrt(square)
-        monitor.tick(0.65 + 0.35 * min(1.0, (start + step) / len(points)))
+        monitor.tick()
     return nearest, distance
 
 

@@ -13,6 +13,7 @@ from strategies import messy_meshes
 
 from scenewidget.engine.mesh import Mesh, MeshError, connected_components, face_adjacency
 from scenewidget.engine.preprocess import (
+    _cut_open,
     _shortest_edges,
     filter_normals,
     keep_components,
@@ -123,6 +124,121 @@ def test_torn_surfaces_are_bridged_where_the_scan_was_whole():
     assert connected_components(result.mesh.n_faces, pairs)[0] == 1
 
 
+def noisy_sheets(gaps, n=60, noise=0.004, seed=0):
+    """Square sheets above each other, 3 m wide, each a component of its own; and the sheet of each face."""
+    sheet = shapes.grid_square(n, size=3.0)
+    heights = np.concatenate([[0.0], np.cumsum(gaps)])
+    rng = np.random.default_rng(seed)
+    vertices = [
+        sheet.vertices + np.array([0, 0, z]) + rng.normal(scale=noise, size=sheet.vertices.shape)
+        for z in heights
+    ]
+    faces = [sheet.faces + k * sheet.n_vertices for k in range(len(heights))]
+    return Mesh(np.concatenate(vertices), np.concatenate(faces)), np.repeat(
+        np.arange(len(heights)), sheet.n_faces
+    )
+
+
+@pytest.mark.parametrize("simplifier", ["fast", "qslim"])
+@pytest.mark.parametrize("gaps", [[0.005], [0.01], [0.02], [0.0], [0.005, 0.01, 0.005]])
+def test_components_stay_apart_however_close_they_lie(gaps, simplifier):
+    mesh, sheet = noisy_sheets(gaps)
+    result = simplify(mesh, n_faces=900, simplifier=simplifier)
+    place = result.face_map
+    mixed = np.bincount(sheet[place >= 0] * 9 + result.component[place[place >= 0]], minlength=81)
+    assert np.count_nonzero(mixed) == len(gaps) + 1  # each sheet has one component, each component one sheet
+    n_components, component = connected_components(result.mesh.n_faces, result.pairs)
+    assert n_components == result.report["components kept"] == len(gaps) + 1
+    assert len(np.unique(component * 9 + result.component)) == len(gaps) + 1
+
+
+def test_a_raw_face_goes_to_the_nearest_simplified_face_of_its_own_component():
+    mesh, sheet = noisy_sheets([0.005], n=14)
+    result = simplify(mesh, n_faces=200, tolerance=np.inf)
+    import igl
+
+    for k in range(2):
+        own = np.flatnonzero(result.component == result.component[result.face_map[sheet == k][0]])
+        centroids = mesh.face_centroids[sheet == k]
+        corners = result.mesh.faces[own].astype(np.int64)
+        square, _, _ = igl.point_mesh_squared_distance(centroids, np.array(result.mesh.vertices), corners)
+        for point, found, least in zip(centroids, result.face_map[sheet == k], square):
+            assert found in own
+            face = result.mesh.faces[[found]].astype(np.int64)
+            here, _, _ = igl.point_mesh_squared_distance(point[None], np.array(result.mesh.vertices), face)
+            assert here == pytest.approx(least, abs=1e-12)
+
+
+def test_components_that_meet_in_a_vertex_stay_two():
+    one, other = shapes.grid_square(12), shapes.grid_square(12)
+    far = one.vertices[:, :2].max(axis=0)
+    both = Mesh(
+        np.concatenate([one.vertices, other.vertices + np.array([*far, 0.0])]),
+        np.concatenate([one.faces, other.faces + one.n_vertices]),
+    )
+    result = simplify(both, n_faces=100)
+    assert result.report["components kept"] == 2
+    assert connected_components(result.mesh.n_faces, result.pairs)[0] == 2
+
+
+def test_what_was_torn_off_counts_by_itself_only_to_the_letter():
+    """A sheet and, joined to it by a thread of faces that the simplifier removes, crumbs of some faces."""
+    sheet = shapes.grid_square(60, size=3.0)
+    rng = np.random.default_rng(0)
+    noisy = Mesh(sheet.vertices + rng.normal(scale=0.02, size=sheet.vertices.shape), sheet.faces)
+    torn = Mesh(noisy.vertices, noisy.faces[rng.random(noisy.n_faces) < 0.85])
+    ours = simplify(torn, n_faces=800)
+    written = simplify(torn, n_faces=800, drop_torn=True)
+    pieces, piece = connected_components(ours.mesh.n_faces, face_adjacency(ours.mesh))
+    assert pieces > 1
+    large = np.bincount(piece) >= 0.01 * ours.mesh.n_faces
+    assert written.mesh.n_faces == np.bincount(piece)[large].sum() < ours.mesh.n_faces
+    for result in (ours, written):
+        assert connected_components(result.mesh.n_faces, result.pairs)[0] == result.report["components kept"]
+
+
+@given(messy_meshes())
+def test_cut_open_a_mesh_is_a_manifold(mesh):
+    faces = mesh.faces[(mesh.faces != np.roll(mesh.faces, 1, axis=1)).all(axis=1)]
+    if len(faces) == 0:
+        return
+    corners, share = _cut_open(faces)
+    ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
+    assert len(np.unique(ends, axis=0)) == len(ends)  # no edge is run through twice in one direction
+    assert np.unique(np.sort(ends, axis=1), axis=0, return_counts=True)[1].max() <= 2
+    for v in np.unique(corners):  # faces round a vertex hang together over edges at that vertex
+        around = np.flatnonzero((corners == v).any(axis=1))
+        shared = [
+            (a, b)
+            for a in range(len(around))
+            for b in range(a)
+            if len(np.intersect1d(corners[around[a]], corners[around[b]])) >= 2
+        ]
+        links = np.array(shared, dtype=np.int32).reshape(-1, 2)
+        assert connected_components(len(around), links)[0] == 1
+    twins = {}
+    for face in faces.tolist():
+        for a, b in zip(face, face[1:] + face[:1]):
+            twins.setdefault(frozenset((a, b)), []).append((a, b))
+    cut = sum(len(t) for t in twins.values() if len(t) > 2 or (len(t) == 2 and t[0] == t[1]))
+    assert share == pytest.approx(cut / (3 * len(faces)))
+
+
+def test_qslim_takes_a_scan_with_a_fin_and_a_handle_of_three_faces_an_edge():
+    sheet = shapes.grid_square(40, size=2.0)
+    row = np.flatnonzero(np.isclose(sheet.vertices[:, 1], 1.0))
+    top = sheet.vertices[row] + [0, 0, 0.3]
+    new = sheet.n_vertices + np.arange(len(row))
+    fin = np.concatenate(
+        [np.stack([row[:-1], row[1:], new[1:]], 1), np.stack([row[:-1], new[1:], new[:-1]], 1)]
+    )
+    mesh = Mesh(np.concatenate([sheet.vertices, top]), np.concatenate([sheet.faces, fin]))
+    result = simplify(mesh, n_faces=400, simplifier="qslim")
+    assert abs(result.report["simplified faces reached"] - 400) <= 20
+    assert (result.face_map >= 0).all()
+    assert result.mesh.face_areas.sum() == pytest.approx(4 + 0.6, rel=0.02)
+
+
 @pytest.mark.parametrize("n_faces", [200, 400, 1000])
 def test_small_targets_are_met_on_torn_surfaces_too(n_faces):
     """The library alone stops at 531 faces here: it keeps every border."""
@@ -132,16 +248,16 @@ def test_small_targets_are_met_on_torn_surfaces_too(n_faces):
     torn = Mesh(noisy.vertices, noisy.faces[rng.random(noisy.n_faces) < 0.75])
     result = simplify(torn, n_faces=n_faces, smallest=0.0, coverage=1.0, smallest_simplified=0.0)
     assert abs(result.report["simplified faces reached"] - n_faces) <= 0.1 * n_faces
-    assert (result.face_map >= 0).mean() > 0.95
+    assert (result.face_map >= 0).mean() > 0.9  # the rest: fragments of which the simplifier left nothing
     distance = np.abs(result.mesh.vertices[:, 2])
     assert distance.max() < 0.05
 
 
-def test_qslim_refuses_inconsistent_winding_on_which_it_would_never_return():
+def test_qslim_refuses_meshes_that_would_fall_to_pieces():
     ball = shapes.icosphere(3)
     flips = np.random.default_rng(0).random((ball.n_faces, 1)) < 0.5
     mixed = Mesh(ball.vertices, np.where(flips, ball.faces[:, ::-1], ball.faces))
-    with pytest.raises(MeshError, match=r"wound the same way.*use simplifier='fast'"):
+    with pytest.raises(MeshError, match=r"not wound the same way.*use simplifier='fast'"):
         simplify(mixed, n_faces=200, simplifier="qslim")
     assert abs(simplify(mixed, n_faces=200).mesh.n_faces - 200) <= 20
 
