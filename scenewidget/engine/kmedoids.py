@@ -15,10 +15,12 @@ import numpy as np
 from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.mesh import IntArray
 
-__all__ = ["BACKENDS", "INITS", "KMedoidsResult", "alternate", "initial_medoids", "k_medoids"]
+__all__ = ["BACKENDS", "INITS", "TIES", "KMedoidsResult", "alternate", "initial_medoids", "k_medoids"]
 
 Init = Literal["random", "systematic", "sample", "outmost", "k-medoids++"]
 INITS: tuple[Init, ...] = ("random", "systematic", "sample", "outmost", "k-medoids++")
+Ties = Literal["stay", "first"]
+TIES: tuple[Ties, ...] = ("stay", "first")
 BACKENDS = ("numpy", "sklearn-extra")
 MAX_ITER = 100
 
@@ -37,7 +39,7 @@ class KMedoidsResult:
     cost : float
         Sum of the distances to the medoids, over the items that reach one.
     n_iter : int
-        Updates of the medoids until the cost no longer fell.
+        Updates of the medoids, the last of which did not lower the cost.
     """
 
     labels: IntArray
@@ -51,6 +53,7 @@ def k_medoids(
     k: int,
     *,
     init: Init = "random",
+    ties: Ties = "stay",
     backend: Literal["numpy", "sklearn-extra"] = "numpy",
     seed: int | np.random.SeedSequence = 0,
 ) -> KMedoidsResult:
@@ -70,9 +73,17 @@ def k_medoids(
         and the farthest item of each comes first, the largest parts before the smaller); and
         "k-medoids++" (each next one drawn with probability proportional to its squared distance to the
         chosen ones; Arthur and Vassilvitskii 2007).
+    ties : str
+        Where a medoid goes when several members share the least sum of distances. "first", as Algorithm 2
+        of the thesis is printed: the medoid is the first member with the minimum, and what the last update
+        gives is the result, though it costs as much as the one before. "stay": a medoid that has the
+        minimum stays, and an update that does not lower the cost is undone, as in scikit-learn-extra.
+        Coplanar items are at nearly no distance under the thesis' f2, so ties are common there. Under both
+        rules an item at one distance from several medoids goes to the first of them, a medoid to itself,
+        and no more than 100 updates are made.
     backend : str
         "numpy" is ours; "sklearn-extra" runs ``sklearn_extra.cluster.KMedoids(method="alternate")`` from
-        the same initial medoids.
+        the same initial medoids; it knows ``ties="stay"`` only.
     seed : int or SeedSequence
 
     Returns
@@ -82,9 +93,18 @@ def k_medoids(
     Raises
     ------
     ValueError
-        D isn't square or holds NaN or negative values, or k is out of range.
+        D isn't square or holds NaN or negative values, k is out of range, or no such rule or backend.
     ImportError
         The backend isn't installed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.kmedoids import k_medoids
+    >>> place = np.array([0.0, 1.0, 2.0, 10.0, 11.0, 12.0])
+    >>> result = k_medoids(np.abs(place[:, None] - place), 2)
+    >>> sorted(result.medoids.tolist()), result.cost
+    ([1, 4], 4.0)
     """
     D = _checked_distances(D)
     n = len(D)
@@ -93,13 +113,19 @@ def k_medoids(
         raise ValueError(f"k must lie in 1..{n} (the number of items), got {k}")
     if backend not in BACKENDS:
         raise ValueError(f"backend must be one of {', '.join(map(repr, BACKENDS))}, got {backend!r}")
+    if ties not in TIES:
+        raise ValueError(f"ties must be one of {', '.join(map(repr, TIES))}, got {ties!r}")
+    if backend == "sklearn-extra" and ties != "stay":
+        raise ValueError(f"backend='sklearn-extra' knows ties='stay' only, got {ties!r}; use backend='numpy'")
     medoids = initial_medoids(D, k, init=init, seed=seed)
     if backend == "sklearn-extra":
         return _sklearn_extra(D, medoids)
-    return alternate(D, medoids)
+    return alternate(D, medoids, ties)
 
 
-def alternate(D: np.ndarray[Any, np.dtype[np.floating[Any]]], medoids: IntArray) -> KMedoidsResult:
+def alternate(
+    D: np.ndarray[Any, np.dtype[np.floating[Any]]], medoids: IntArray, ties: Ties = "stay"
+) -> KMedoidsResult:
     """Algorithm 2 from given medoids, without checks: the inner loop of an ensemble, which holds no lock.
 
     Parameters
@@ -108,8 +134,10 @@ def alternate(D: np.ndarray[Any, np.dtype[np.floating[Any]]], medoids: IntArray)
         Distances, symmetric.
     medoids : (k,) int32
         Different items.
+    ties : str
+        See `k_medoids`.
     """
-    labels, medoids, cost, n_iter = _alternate(D, medoids, MAX_ITER)
+    labels, medoids, cost, n_iter = _alternate(D, medoids, MAX_ITER, ties == "first")
     return KMedoidsResult(labels, medoids, float(cost), int(n_iter))
 
 
@@ -141,7 +169,7 @@ def initial_medoids(
         sample = np.sort(rng.choice(n, size=min(n, max(k, -(-n // 10))), replace=False))
         start = rng.choice(len(sample), size=k, replace=False).astype(np.int32)
         inner = np.ascontiguousarray(D[np.ix_(sample, sample)])
-        return np.asarray(sample[_alternate(inner, start, MAX_ITER)[1]], dtype=np.int32)
+        return np.asarray(sample[_alternate(inner, start, MAX_ITER, False)[1]], dtype=np.int32)
     if init == "outmost":
         return _outmost(D, k)
     if init == "k-medoids++":
@@ -218,7 +246,7 @@ def _sklearn_extra(D: Any, medoids: IntArray) -> KMedoidsResult:
 
 
 @numba.njit(cache=True, nogil=True)
-def _alternate(D, medoids, max_iter):  # type: ignore[no-untyped-def]
+def _alternate(D, medoids, max_iter, to_first):  # type: ignore[no-untyped-def]
     """Assignments and updates in turn, each only where something has changed since the one before."""
     n, k = len(D), len(medoids)
     medoids = medoids.copy()
@@ -232,13 +260,15 @@ def _alternate(D, medoids, max_iter):  # type: ignore[no-untyped-def]
     n_iter = 0
     while n_iter < max_iter:
         trial = medoids.copy()
-        _update(D, trial, labels, before, bound)
+        _update(D, trial, labels, before, bound, to_first)
         trial_cost = _assign(D, trial, trial != medoids, first, nearest, trial_labels)
         n_iter += 1
-        if not trial_cost < cost:
+        is_lower = trial_cost < cost
+        if is_lower or (to_first and trial_cost == cost):
+            cost = trial_cost
+            medoids[:], before[:], labels[:] = trial, labels, trial_labels
+        if not is_lower:
             break
-        cost = trial_cost
-        medoids[:], before[:], labels[:] = trial, labels, trial_labels
     return labels, medoids, cost, n_iter
 
 
@@ -282,8 +312,8 @@ def _assign(D, medoids, has_moved, first, nearest, labels):  # type: ignore[no-u
 
 
 @numba.njit(cache=True, nogil=True)
-def _update(D, medoids, labels, before, bound):  # type: ignore[no-untyped-def]
-    """Move each medoid to the member with the least sum of distances, if that is strictly less.
+def _update(D, medoids, labels, before, bound, to_first):  # type: ignore[no-untyped-def]
+    """Move each medoid to the member with the least sum of distances; of equal ones see `k_medoids`.
 
     ``before`` holds the labels of the update before, after which clusters with the same members need none;
     ``bound`` what each item's sum was then found to be at least, on return what it is now.
@@ -307,21 +337,22 @@ def _update(D, medoids, labels, before, bound):  # type: ignore[no-untyped-def]
         for distance in own:
             best += np.float64(distance)
         for i in group:
-            if bound[i] >= best:
+            wins_ties = to_first and i < medoids[c]
+            if bound[i] > best or (bound[i] == best and not wins_ties):
                 continue
             row = D[i]
             total = 0.0
             for block in range(0, len(group), 32):  # sums only grow: stop once the best is passed
                 for j in farthest_first[block : block + 32]:
                     total += np.float64(row[j])
-                if total >= best:
+                if total * (1.0 - 1e-10) > best:
                     break
             bound[i] = total * (1.0 - 1e-10)
-            if bound[i] < best:
+            if bound[i] <= best:
                 total = 0.0
                 for j in group:  # in the order of all other sums, so that equal ones come out equal
                     total += np.float64(row[j])
-                if total < best:
+                if total < best or (wins_ties and total == best):
                     best = total
                     medoids[c] = i
 

@@ -65,11 +65,12 @@ def test_unreachable_items_are_in_no_cluster(problem):
     np.testing.assert_array_equal(result.labels == -1, out_of_reach)
 
 
-def plain_alternate(D, medoids):
-    """Algorithm 2 by definition: every assignment and every sum anew, each from the first item on."""
+def total(distances):
+    return functools.reduce(operator.add, map(float, distances), 0.0)  # sum rounds less since 3.12
 
-    def total(distances):
-        return functools.reduce(operator.add, map(float, distances), 0.0)  # sum rounds less since 3.12
+
+def plain_alternate(D, medoids):
+    """By definition, a medoid stays unless another is better: every assignment and every sum anew."""
 
     def cost_of(medoids):
         return total(d for d in D[:, medoids].min(axis=1) if np.isfinite(d))
@@ -86,6 +87,22 @@ def plain_alternate(D, medoids):
             return labels, medoids, n_iter
         medoids, labels, cost = moved, nearest(D, moved), cost_of(moved)
     raise AssertionError("no end")
+
+
+def printed_algorithm(D, medoids):
+    """Algorithm 2 of the thesis, line by line; cost_of as its line 7, minimum as its line 11."""
+    n_updates, previous = 0, np.inf  # line 3
+    while True:
+        labels = nearest(D, medoids)  # line 6
+        cost = total(D[i, medoids[c]] for i, c in enumerate(labels) if c >= 0)  # line 7
+        if cost == previous:  # line 8
+            return labels, medoids, n_updates
+        medoids = medoids.copy()
+        for c in range(len(medoids)):  # line 11
+            members = np.flatnonzero(labels == c)
+            medoids[c] = members[int(np.argmin([total(D[i, members]) for i in members]))]
+        previous = cost  # line 13
+        n_updates += 1
 
 
 @st.composite
@@ -110,6 +127,34 @@ def test_looking_only_at_what_changed_gives_what_the_definition_gives(problem):
     np.testing.assert_array_equal(result.labels, labels)
     np.testing.assert_array_equal(result.medoids, medoids)
     assert result.n_iter == n_iter
+
+
+@given(larger_problems())
+@settings(max_examples=100)
+def test_ties_to_the_first_give_what_the_printed_algorithm_gives(problem):
+    D, start = problem
+    result = alternate(D, start, "first")
+    labels, medoids, n_iter = printed_algorithm(D, start)
+    np.testing.assert_array_equal(result.medoids, medoids)
+    np.testing.assert_array_equal(result.labels, labels)
+    assert result.n_iter == n_iter
+
+
+@given(problems())
+def test_small_problems_full_of_ties_follow_the_printed_algorithm_too(problem):
+    D, k, seed = problem
+    result = k_medoids(D, k, seed=seed, ties="first")
+    labels, medoids, _ = printed_algorithm(D, initial_medoids(D, k, seed=seed))
+    np.testing.assert_array_equal(result.medoids, medoids)
+    np.testing.assert_array_equal(result.labels, labels)
+
+
+def test_of_members_with_equal_sums_the_first_or_the_medoid_itself():
+    D = np.array([[0, 1, 1, 1], [1, 0, 1, 1], [1, 1, 0, 1], [1, 1, 1, 0]], dtype=float)
+    assert alternate(D, np.array([2], dtype=np.int32)).medoids.tolist() == [2]
+    assert alternate(D, np.array([2], dtype=np.int32), "first").medoids.tolist() == [0]
+    zero = np.zeros((4, 4))
+    assert alternate(zero, np.array([3], dtype=np.int32), "first").medoids.tolist() == [0]
 
 
 def test_two_groups_on_a_line_are_found_with_their_middles():
@@ -217,6 +262,8 @@ def test_whole_numbers_are_distances_too():
         (np.where(LINE > 5, np.nan, LINE), 2, {}, ValueError, "no negative values and no NaN"),
         (LINE, 2, {"init": "best"}, ValueError, "init must be one of 'random', 'systematic'"),
         (LINE, 2, {"backend": "cuda"}, ValueError, "backend must be one of 'numpy', 'sklearn-extra'"),
+        (LINE, 2, {"ties": "last"}, ValueError, "ties must be one of 'stay', 'first', got 'last'"),
+        (LINE, 2, {"backend": "sklearn-extra", "ties": "first"}, ValueError, "use backend='numpy'"),
     ],
 )
 def test_bad_arguments_are_refused(D, k, options, error, message):
