@@ -179,12 +179,22 @@ def all_pairs(
     Returns
     -------
     distances : (n, n) float32
-        Symmetric, zero diagonal, ``inf`` where unconnected. 400 MB at n = 10 000.
+        Symmetric to the bit, zero diagonal, ``inf`` where unconnected. 400 MB at n = 10 000. Sums along a
+        path round differently from its two ends, by up to 5e-7 of the length: the smaller counts.
 
     Raises
     ------
     ValueError
         Negative or NaN weights, a matrix that isn't square, or more than 40 000 nodes.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from scenewidget.engine.distances import all_pairs
+    >>> all_pairs(sparse.csr_array([[0.0, 2.0, 0.0], [2.0, 0.0, 3.0], [0.0, 3.0, 0.0]]))
+    array([[0., 2., 5.],
+           [2., 0., 3.],
+           [5., 3., 0.]], dtype=float32)
     """
     n = graph.shape[0]
     if n > MAX_DENSE_ITEMS:
@@ -192,7 +202,11 @@ def all_pairs(
             f"graph has {n} nodes; all pairs would take {4e-9 * n * n:.1f} GB. Lower n_items to at most "
             f"{MAX_DENSE_ITEMS}, or use MinPlusFactor(graph).rows(sources)"
         )
-    return MinPlusFactor(graph).rows(np.arange(n), n_threads=n_threads, monitor=monitor)
+    distances = MinPlusFactor(graph).rows(np.arange(n), n_threads=n_threads, monitor=monitor)
+    with ThreadPoolExecutor(n_threads) as pool:
+        for _ in pool.map(lambda first: _mirror(distances, first), range(0, n, STRIP)):
+            pass
+    return distances
 
 
 npt_float32 = np.ndarray[Any, np.dtype[np.float32]]
@@ -407,3 +421,16 @@ def _solve_strip(steps, places, order, indptr, indices, values, out):  # type: i
         row = out[places[i]]
         for j in range(n):
             row[order[j]] = strip[j, i]
+
+
+@numba.njit(cache=True, nogil=True)
+def _mirror(D, first):  # type: ignore[no-untyped-def]
+    """The smaller of D_ij and D_ji in both, for the rows of one strip and the columns from there on."""
+    n = len(D)
+    last = min(first + STRIP, n)
+    for left in range(first, n, STRIP):  # square blocks: both sides of the diagonal stay in the cache
+        for i in range(first, last):
+            for j in range(max(left, i + 1), min(left + STRIP, n)):
+                smaller = min(D[i, j], D[j, i])
+                D[i, j] = smaller
+                D[j, i] = smaller
