@@ -27,6 +27,7 @@ from scenewidget.engine.mesh import (
     Mesh,
     MeshError,
     connected_components,
+    face_adjacency,
 )
 from scenewidget.engine.moments import Moments, face_moments, moment_origin
 from scenewidget.engine.monitor import SILENT, Monitor
