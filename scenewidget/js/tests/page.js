@@ -77,6 +77,13 @@ export class PageElement extends PageNode {
     this.replaceChildren(...(text === "" ? [] : [String(text)]));
   }
 
+  get tabIndex() {
+    return Number(this.attributes.get("tabindex") ?? 0);
+  }
+  set tabIndex(index) {
+    this.attributes.set("tabindex", String(index));
+  }
+
   get className() {
     return this.attributes.get("class") ?? "";
   }

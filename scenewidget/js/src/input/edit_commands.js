@@ -8,7 +8,7 @@ import { foresee } from "../labels/prediction.js";
 /** @typedef {import("./gestures.js").Place} Place */
 
 const PREVIEW = "This is a preview: let go of the slider, and edit the result";
-const NAMELESS = "This surface is unlabelled: there is no segment to name";
+const NAMELESS = "This surface is unlabeled: there is no segment to name";
 const GONE = "The kernel is gone: nothing was edited. Run the cell again";
 
 /**

@@ -12,13 +12,13 @@ import { countSegments, describe, NONE } from "./partition.js";
  */
 export function describeFace(partition, face, { level, names, confidence }) {
   const { part, segment, partFaces, segmentFaces, segmentArea } = describe(partition, face);
-  const isLabelled = segment !== NONE;
+  const isLabeled = segment !== NONE;
   const isSame = part === NONE || partFaces === segmentFaces;
-  const sure = isLabelled ? confidence?.[segment] : undefined;
+  const sure = isLabeled ? confidence?.[segment] : undefined;
   return [
-    isLabelled ? segmentTitle(segment, names) : "Unlabelled",
-    isLabelled ? counted(segmentFaces, "face") : "",
-    isLabelled && segmentArea > 0 ? `${area(segmentArea)} m²` : "",
+    isLabeled ? segmentTitle(segment, names) : "Unlabeled",
+    isLabeled ? counted(segmentFaces, "face") : "",
+    isLabeled && segmentArea > 0 ? `${area(segmentArea)} m²` : "",
     sure === undefined ? "" : `confidence ${sure.toFixed(2)}`,
     isSame ? "" : `${level} part of ${counted(partFaces, "face")}`,
   ]

@@ -41,7 +41,7 @@ export function foresee(ground, labels, edit) {
   const first = Array.isArray(edit.face) ? edit.face[0] : edit.face;
   const home = labels.atomSegment[ground.faceAtom[first]];
   if (edit.kind === "relabel") {
-    if (home === NONE) return "This surface is unlabelled: there is no segment to name";
+    if (home === NONE) return "This surface is unlabeled: there is no segment to name";
     if ((labels.names[home] ?? "") === edit.name) return "The segment has this name already";
     const { [home]: _, ...names } = labels.names;
     return { ...labels, names: edit.name ? { ...names, [home]: edit.name } : names };
@@ -54,7 +54,7 @@ export function foresee(ground, labels, edit) {
     return moved(labels, moves, highest(labels.atomSegment) + 1);
   }
   const target = labels.atomSegment[ground.faceAtom[edit.onto_face]];
-  if (target === NONE) return "That surface is unlabelled: there is no segment to join";
+  if (target === NONE) return "That surface is unlabeled: there is no segment to join";
   return joins(labels, moves, target) ? moved(labels, moves, target) : "Both are in one segment already";
 }
 
@@ -79,7 +79,7 @@ export function canMerge(ground, labels, edit) {
  */
 function beforeCut({ faceAtom }, labels, { face_a, face_b }) {
   const [a, b] = [labels.atomSegment[faceAtom[face_a]], labels.atomSegment[faceAtom[face_b]]];
-  if (a === NONE || b === NONE) return "This surface is unlabelled: there is no segment to cut";
+  if (a === NONE || b === NONE) return "This surface is unlabeled: there is no segment to cut";
   return a === b ? { ...labels } : "A cut needs two points of the same segment";
 }
 

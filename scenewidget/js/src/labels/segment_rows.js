@@ -6,7 +6,7 @@ import { NONE } from "./partition.js";
 
 /**
  * @typedef {object} Row
- * @property {number} segment  NONE = all that is unlabelled
+ * @property {number} segment  NONE = all that is unlabeled
  * @property {string} name  "" if it has none
  * @property {string} color  as in style sheets
  * @property {number} faces
@@ -22,7 +22,7 @@ import { NONE } from "./partition.js";
 export const FIRST_DESCENDING = { name: false, faces: true, area: true, confidence: false };
 
 /**
- * A row for each segment that has faces, and one for what is unlabelled if anything is.
+ * A row for each segment that has faces, and one for what is unlabeled if anything is.
  * @param {Partition} partition
  * @param {object} context
  * @param {Record<string, string>} context.names
@@ -59,7 +59,7 @@ export function segmentRows(partition, { names, confidence, hidden }) {
 }
 
 /**
- * Rows in order; equal ones by number, those without a value and what is unlabelled last.
+ * Rows in order; equal ones by number, those without a value and what is unlabeled last.
  * @param {Row[]} rows
  * @param {Order} order
  * @returns {Row[]}

@@ -233,10 +233,10 @@ function makeRow(segment) {
       if (signature === last) return;
       last = signature;
       const isHidden = row.hidden === "all";
-      const name = row.name || (segment === NONE ? "Unlabelled" : `Segment ${segment}`);
+      const name = row.name || (segment === NONE ? "Unlabeled" : `Segment ${segment}`);
       title.textContent = name;
       choose.title = [
-        segment === NONE ? "Unlabelled" : segmentTitle(segment, { [segment]: row.name }),
+        segment === NONE ? "Unlabeled" : segmentTitle(segment, { [segment]: row.name }),
         counted(row.faces, "face"),
       ].join(", ");
       title.classList.toggle("sw-unnamed", !row.name);

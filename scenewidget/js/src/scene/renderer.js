@@ -123,7 +123,7 @@ export class SceneRenderer {
       hasPartition: false,
       mixing: 1,
       plain: new Vector3(),
-      unlabelled: new Vector3(),
+      unlabeled: new Vector3(),
     });
     this.meshScene = new Scene();
     this.reliefScene = screenScene(this.relief);
@@ -284,7 +284,7 @@ export class SceneRenderer {
     this.#uniform("colorBy", look.colorBy);
     this.#uniform("mixing", look.mixing);
     this.paints.uniforms.plain.value.set(...(look.isDark ? [0.78, 0.78, 0.77] : [0.86, 0.855, 0.84]));
-    this.paints.uniforms.unlabelled.value.set(...(look.isDark ? [0.5, 0.51, 0.53] : [0.7, 0.7, 0.71]));
+    this.paints.uniforms.unlabeled.value.set(...(look.isDark ? [0.5, 0.51, 0.53] : [0.7, 0.7, 0.71]));
     this.painted.setSize(this.numbers.width, this.numbers.height);
     this.three.setRenderTarget(this.painted);
     this.three.render(this.paintScene, this.camera);

@@ -132,7 +132,7 @@ uniform usampler2D faceAtom, atoms, faceValue;
 uniform int colorBy; // 0 by the table, 1 scan, 2 plain, 3 values, 4 normals, which come in the place of the scan
 uniform bool hasScan, hasPartition;
 uniform float mixing;
-uniform vec3 plain, unlabelled;
+uniform vec3 plain, unlabeled;
 layout(location = 0) out vec4 painted;
 layout(location = 1) out uvec2 keys; // segment and part
 
@@ -159,14 +159,14 @@ void main() {
   vec3 ground = hasScan ? texelFetch(scan, place, 0).rgb : plain;
   vec3 color = ground;
   if (colorBy == 0) {
-    color = unlabelled;
+    color = unlabeled;
     if ((atom.a & 1u) != 0u) color = vec3(atom.b & 255u, atom.b >> 8 & 255u, atom.b >> 16 & 255u) / 255.0;
     color = mix(ground, color, mixing);
   } else if (colorBy == 2) {
     color = plain;
   } else if (colorBy == 3) {
     uint value = texelFetch(faceValue, cell(face - 1u, textureSize(faceValue, 0).x), 0).r;
-    color = value == 0u ? unlabelled : texelFetch(colormap, ivec2(int((value - 1u) >> 8), 0), 0).rgb;
+    color = value == 0u ? unlabeled : texelFetch(colormap, ivec2(int((value - 1u) >> 8), 0), 0).rgb;
     color = mix(ground, color, mixing);
   } else if (colorBy == 4) {
     color = mix(plain, texelFetch(scan, place, 0).rgb, mixing);

@@ -11,7 +11,7 @@ const arrays = {
   segmentColors: new Uint8Array([10, 20, 30, 40, 50, 60]),
 };
 
-test("segments have the colours that Python chose, unlabelled atoms none", () => {
+test("segments have the colours that Python chose, unlabeled atoms none", () => {
   const table = atomTable(makePartition(arrays, 0), "segments");
   assert.deepEqual([...table.subarray(0, 4)], [0, 5, packColor(10, 20, 30), 1]);
   assert.deepEqual([...table.subarray(12, 16)], [NONE, NONE, 0, 0]);

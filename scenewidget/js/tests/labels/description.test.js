@@ -27,7 +27,7 @@ test("a face is told with its segment, size, confidence and part", () => {
 });
 
 test("what isn't known is left out", () => {
-  assert.equal(describeFace(partition, 2, context), "Unlabelled");
+  assert.equal(describeFace(partition, 2, context), "Unlabeled");
   assert.equal(
     describeFace(partition, 0, { ...context, names: {}, confidence: null }),
     "Segment 0  ·  2 faces  ·  6.0 m²  ·  base part of 1 face",

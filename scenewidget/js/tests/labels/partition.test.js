@@ -44,6 +44,6 @@ test("areas are those of the faces", () => {
   assert.equal(describe(partition, 1).segmentArea, 7);
 });
 
-test("unlabelled atoms are no segment", () => {
+test("unlabeled atoms are no segment", () => {
   assert.equal(countSegments(arrays.atomSegment), 2);
 });

@@ -34,7 +34,7 @@ test("a merge at the last level moves the whole segment as it is now", () => {
   assert.deepEqual(after(merge(2, 0), merge(1, 4)).segments, [2, 2, 2, 2, 2, NONE]);
 });
 
-test("a merge at a finer level moves the part, wherever its faces are, unlabelled ones too", () => {
+test("a merge at a finer level moves the part, wherever its faces are, unlabeled ones too", () => {
   assert.deepEqual(after(merge(1, 4, "base")).segments, [0, 2, 2, 1, 2, NONE]);
   assert.deepEqual(after(merge(5, 0, "base")).segments, [0, 0, 1, 1, 2, 0]);
 });
@@ -100,5 +100,5 @@ test("a cut shows when Python has made it; what can't be cut is refused at once"
   const cut = (/** @type {number} */ a, /** @type {number} */ b) =>
     foresee(ground, labels, { kind: "cut", face_a: a, face_b: b });
   assert.match(String(cut(0, 2)), /two points of the same segment/);
-  assert.match(String(cut(0, 5)), /unlabelled/);
+  assert.match(String(cut(0, 5)), /unlabeled/);
 });

@@ -43,7 +43,7 @@ test("a row tells name, confidence and how much is hidden", () => {
   );
 });
 
-test("rows sort by each column, what is unlabelled stays last", () => {
+test("rows sort by each column, what is unlabeled stays last", () => {
   const rows = [
     ["lamp", 5, 2, 0.9],
     ["", 7, 1, null],
