@@ -16,17 +16,17 @@ import {
   frame,
   fromAbove,
   mainAxis,
-  meet,
   orbit,
   pan,
   project,
-  ray,
   TANGENT,
   zoom,
 } from "./camera.js";
+import { between, shorterTurn } from "./flight.js";
 import { boundingBall, coarse, sample } from "./geometry.js";
 import { SceneRenderer } from "./renderer.js";
 import { belowCeiling, boxOf, extentOf, isWhole, pointsInside, WHOLE } from "./section.js";
+import { faceIn, pointIn, rayAt } from "./snapshot.js";
 import { dolly, goTo, lookAround, lookTo, standing, standingPlace, walked } from "./walk.js";
 
 /** @typedef {import("./camera.js").Camera} Camera */
@@ -102,7 +102,7 @@ export class Viewer {
     /** Where one looked from before going inside. @type {Camera | null} */
     this.outside = null;
     this.size = { width: 0, height: 0 };
-    /** @type {{ numbers: import("./renderer.js").Numbers, camera: Camera, aspect: number } | null} */
+    /** @type {import("./snapshot.js").Snapshot | null} */
     this.snapshot = null;
     this.look = {
       /** @type {ColorBy} */
@@ -374,9 +374,9 @@ export class Viewer {
    * Face drawn at a place of the picture at rest; null on the background, outside, and while moving.
    * @param {Place} place  CSS pixels from the upper left
    */
-  faceAt({ x, y }) {
+  faceAt(place) {
     if (!this.snapshot || this.isMoving) return null;
-    return this.#snapshotFace({ x, y });
+    return faceIn(this.snapshot, place, this.size);
   }
 
   /**
@@ -429,16 +429,8 @@ export class Viewer {
    * @returns {Vec3 | null}
    */
   pointAt(place) {
-    const face = this.#snapshotFace(place);
-    if (face === null || !this.snapshot || !this.mesh) return null;
-    const { vertices, faces } = this.mesh;
-    const corner = (/** @type {number} */ k) => {
-      const v = 3 * faces[3 * face + k];
-      return /** @type {Vec3} */ ([vertices[v], vertices[v + 1], vertices[v + 2]]);
-    };
-    const { camera, aspect } = this.snapshot;
-    const direction = this.#ray(camera, place, aspect);
-    return meet(frame(camera).eye, direction, [corner(0), corner(1), corner(2)]);
+    if (!this.snapshot || !this.mesh) return null;
+    return pointIn(this.snapshot, place, this.size, this.mesh);
   }
 
   /** The context is gone for now; three.js takes it up again by itself. */
@@ -502,8 +494,7 @@ export class Viewer {
   /** @param {Camera} to */
   #fly(to) {
     if (this.isStill || !this.hasDrawn) return this.#move(to);
-    const turn = Math.round((this.camera.yaw - to.yaw) / (2 * Math.PI)) * 2 * Math.PI;
-    this.flight = { from: this.camera, to: { ...to, yaw: to.yaw + turn }, began: performance.now() };
+    this.flight = { from: this.camera, to: shorterTurn(this.camera, to), began: performance.now() };
     this.#moved();
   }
 
@@ -511,19 +502,7 @@ export class Viewer {
     if (!this.flight) return;
     const { from, to, began } = this.flight;
     const t = Math.min(1, (performance.now() - began) / FLIGHT_MS);
-    const s = t * t * (3 - 2 * t);
-    const mix = (/** @type {number} */ a, /** @type {number} */ b) => a + s * (b - a);
-    this.camera = {
-      target: add(
-        from.target,
-        [to.target[0] - from.target[0], to.target[1] - from.target[1], to.target[2] - from.target[2]],
-        s,
-      ),
-      yaw: mix(from.yaw, to.yaw),
-      pitch: mix(from.pitch, to.pitch),
-      distance: from.distance * (to.distance / from.distance) ** s,
-      tangent: mix(from.tangent ?? TANGENT, to.tangent ?? TANGENT),
-    };
+    this.camera = between(from, to, t);
     if (t >= 1) [this.camera, this.flight] = [to, null];
     this.#moved();
   }
@@ -534,29 +513,12 @@ export class Viewer {
     if (!this.anchor || Math.hypot(place.x - this.anchor.place.x, place.y - this.anchor.place.y) > 3) {
       const onTarget = add(
         frame(this.camera).eye,
-        this.#ray(this.camera, place, width / height),
+        rayAt(this.camera, place, this.size, width / height),
         this.camera.distance,
       );
       this.anchor = { place, point: (!this.isMoving && this.pointAt(place)) || onTarget };
     }
     return this.anchor.point;
-  }
-
-  /** @param {Camera} camera @param {Place} place @param {number} aspect */
-  #ray(camera, { x, y }, aspect) {
-    return ray(camera, (2 * x) / this.size.width - 1, 1 - (2 * y) / this.size.height, aspect);
-  }
-
-  /** @param {Place} place */
-  #snapshotFace({ x, y }) {
-    if (!this.snapshot) return null;
-    const { width, height, bytes } = this.snapshot.numbers;
-    const column = Math.floor((x / this.size.width) * width);
-    const row = height - 1 - Math.floor((y / this.size.height) * height);
-    if (!(column >= 0 && column < width && row >= 0 && row < height)) return null;
-    const i = 4 * (row * width + column);
-    const number = bytes[i] | (bytes[i + 1] << 8) | (bytes[i + 2] << 16);
-    return number === 0 ? null : number - 1;
   }
 
   #draw(needs = FACES) {

@@ -1,0 +1,62 @@
+/** The picture as it was when it last stood still: which face lay where, and where the eye was. */
+
+import { frame, meet, ray } from "./camera.js";
+
+/** @typedef {import("./camera.js").Camera} Camera */
+/** @typedef {import("./camera.js").Place} Place */
+/** @typedef {import("./camera.js").Vec3} Vec3 */
+
+/**
+ * @typedef {object} Snapshot
+ * @property {import("./renderer.js").Numbers} numbers
+ * @property {Camera} camera
+ * @property {number} aspect
+ */
+
+/** @typedef {{ width: number, height: number }} Size  of the picture, in CSS pixels */
+
+/**
+ * Face at a place; null on the background and outside.
+ * @param {Snapshot} snapshot
+ * @param {Place} place
+ * @param {Size} size
+ */
+export function faceIn({ numbers: { width, height, bytes } }, { x, y }, size) {
+  const column = Math.floor((x / size.width) * width);
+  const row = height - 1 - Math.floor((y / size.height) * height);
+  if (!(column >= 0 && column < width && row >= 0 && row < height)) return null;
+  const i = 4 * (row * width + column);
+  const number = bytes[i] | (bytes[i + 1] << 8) | (bytes[i + 2] << 16);
+  return number === 0 ? null : number - 1;
+}
+
+/**
+ * Point of the surface at a place; null on the background and outside.
+ * @param {Snapshot} snapshot
+ * @param {Place} place
+ * @param {Size} size
+ * @param {{ vertices: Float32Array, faces: Uint32Array }} mesh
+ * @returns {Vec3 | null}
+ */
+export function pointIn(snapshot, place, size, { vertices, faces }) {
+  const face = faceIn(snapshot, place, size);
+  if (face === null) return null;
+  const corner = (/** @type {number} */ k) => {
+    const v = 3 * faces[3 * face + k];
+    return /** @type {Vec3} */ ([vertices[v], vertices[v + 1], vertices[v + 2]]);
+  };
+  const { camera, aspect } = snapshot;
+  const direction = rayAt(camera, place, size, aspect);
+  return meet(frame(camera).eye, direction, [corner(0), corner(1), corner(2)]);
+}
+
+/**
+ * Direction in which a place of the picture is seen.
+ * @param {Camera} camera
+ * @param {Place} place
+ * @param {Size} size
+ * @param {number} aspect
+ */
+export function rayAt(camera, { x, y }, size, aspect) {
+  return ray(camera, (2 * x) / size.width - 1, 1 - (2 * y) / size.height, aspect);
+}
