@@ -38,10 +38,11 @@ if TYPE_CHECKING:
     from scenewidget import baselines, datasets, editing, engine, figures, metrics
     from scenewidget.editing.formats import export, import_labels
     from scenewidget.editing.session import Session
-    from scenewidget.engine.mesh import Mesh, MeshError, load_mesh
+    from scenewidget.engine.mesh import Mesh, MeshError
     from scenewidget.engine.monitor import Cancelled
     from scenewidget.engine.params import Params
     from scenewidget.engine.pipeline import Pipeline, segment
+    from scenewidget.engine.readers import load_mesh
     from scenewidget.engine.segmentation import Segmentation
     from scenewidget.evaluation import evaluate
     from scenewidget.figures.spectral_explorer import SpectralExplorer
@@ -52,7 +53,7 @@ if TYPE_CHECKING:
 _HOME = {  # public name -> module that defines it; resolved on first use, so that importing stays fast
     "Mesh": "engine.mesh",
     "MeshError": "engine.mesh",
-    "load_mesh": "engine.mesh",
+    "load_mesh": "engine.readers",
     "Segmentation": "engine.segmentation",
     "Session": "editing.session",
     "export": "editing.formats",

@@ -18,7 +18,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from scenewidget.engine.mesh import IntArray, Mesh, MeshError, load_mesh
+from scenewidget.engine.mesh import IntArray, Mesh, MeshError
+from scenewidget.engine.readers import load_mesh
 from scenewidget.engine.segmentation import Segmentation
 
 __all__ = ["load_scenenn"]

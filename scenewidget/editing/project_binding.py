@@ -17,7 +17,8 @@ from scenewidget.editing.files import checked_path
 from scenewidget.editing.fingerprint import fingerprint, living_mesh
 from scenewidget.editing.project import Operation, Project, ProjectError
 from scenewidget.editing.store import ProjectFile
-from scenewidget.engine.mesh import Mesh, MeshError, load_mesh
+from scenewidget.engine.mesh import Mesh, MeshError
+from scenewidget.engine.readers import load_mesh
 
 __all__ = ["ProjectBinding", "mesh_of_project"]
 

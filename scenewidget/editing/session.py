@@ -33,8 +33,9 @@ from scenewidget.editing.suggestions import Dismissal, Suggestion, suggest
 from scenewidget.editing.vocabulary import NYU40, chosen_vocabulary
 from scenewidget.engine.atoms import Atoms
 from scenewidget.engine.checks import checked_whole
-from scenewidget.engine.mesh import BoolArray, IntArray, Mesh, load_mesh
+from scenewidget.engine.mesh import BoolArray, IntArray, Mesh
 from scenewidget.engine.params import Params
+from scenewidget.engine.readers import load_mesh
 from scenewidget.engine.segmentation import Level, Segmentation
 from scenewidget.palette import keep_colors
 

@@ -1,18 +1,16 @@
-"""The triangle mesh that everything starts from: what it holds, how it is read, what is next to what.
+"""The triangle mesh that everything starts from: what it holds, and what is next to what.
 
-Goes in: a file, a trimesh, or arrays. Comes out: a checked, read-only `Mesh` and its plain geometry
-(areas, normals, face adjacency, connected components).
+Go in: arrays. Comes out: a checked, read-only `Mesh` and its plain geometry (areas, normals, face
+adjacency, connected components). `scenewidget.engine.readers` makes one of a file.
 """
 
 from __future__ import annotations
 
-import io
-import os
-import re
+import importlib
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -27,16 +25,16 @@ __all__ = [
     "MeshError",
     "connected_components",
     "face_adjacency",
-    "load_mesh",
 ]
 
 FloatArray = npt.NDArray[np.floating[Any]]
 IntArray = npt.NDArray[np.integer[Any]]
 BoolArray = npt.NDArray[np.bool_]
 
+Number = TypeVar("Number", bound=np.generic)
+
 MAX_FAN = 8  # faces at one edge up to which every two of them count as adjacent
 LARGEST = 1e15  # metres: fourth powers of lengths (second moments) stay far from overflow
-SUFFIXES = (".ply", ".obj", ".glb", ".gltf", ".stl", ".off")
 
 
 class MeshError(ValueError):
@@ -60,6 +58,13 @@ class Mesh:
         Red, green, blue as scanned.
     source : str
         The file that it was loaded from, "" if from none.
+    faces_of_file : (n_faces,) int32, optional
+        Which face of the file each face came from, where polygons were cut or faces dropped; None where
+        face i is face i of the file.
+    n_file_faces : int, optional
+        Number of faces of the file; as many as faces by default.
+    report : tuple of str
+        What was repaired, dropped or guessed when it was read, one line each.
 
     Raises
     ------
@@ -73,6 +78,9 @@ class Mesh:
     faces: IntArray
     vertex_colors: npt.NDArray[np.uint8] | None = None
     source: str = ""
+    faces_of_file: IntArray | None = None
+    n_file_faces: int = 0
+    report: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         vertices = _number_array("vertices", self.vertices)
@@ -118,6 +126,15 @@ class Mesh:
         object.__setattr__(self, "faces", faces)
         if self.vertex_colors is not None:
             object.__setattr__(self, "vertex_colors", _color_array(self.vertex_colors, len(vertices)))
+        object.__setattr__(self, "report", tuple(self.report))
+        object.__setattr__(self, "n_file_faces", self.n_file_faces or len(faces))
+        if self.faces_of_file is not None:
+            origin = _number_array("faces_of_file", self.faces_of_file)
+            if origin.shape != (len(faces),):
+                raise MeshError(
+                    f"faces_of_file must have one entry a face: ({len(faces)},), got {origin.shape}"
+                )
+            object.__setattr__(self, "faces_of_file", _read_only(np.array(origin, dtype=np.int32)))
 
     def __repr__(self) -> str:
         colors = "" if self.vertex_colors is None else ", coloured"
@@ -172,7 +189,7 @@ class Mesh:
         return _read_only(self.vertices[self.faces].mean(axis=1))
 
 
-def _read_only(array: FloatArray) -> FloatArray:
+def _read_only(array: npt.NDArray[Number]) -> npt.NDArray[Number]:
     array.flags.writeable = False
     return array
 
@@ -296,215 +313,12 @@ def connected_components(n_items: int, pairs: IntArray) -> tuple[int, IntArray]:
     return int(count), component.astype(np.int32)
 
 
-# --- reading --------------------------------------------------------------------------------------
-
-
-def load_mesh(source: str | os.PathLike[str] | tuple[Any, Any] | Any) -> Mesh:
-    """Read a mesh from a file, a trimesh or arrays.
-
-    Parameters
-    ----------
-    source : path, trimesh.Trimesh, Mesh, or (vertices, faces)
-        Files: PLY, OBJ, GLB, glTF, STL, OFF. Polygons are cut into triangles; the parts of a scene are
-        put together with their transforms. Triangles keep the order of the file, duplicates included; where
-        it mixes them with larger polygons, all triangles come first.
-
-    Returns
-    -------
-    Mesh
-
-    Raises
-    ------
-    FileNotFoundError
-        No such file.
-    MeshError
-        A suffix that we don't read, a damaged or truncated file, or geometry that `Mesh` refuses.
-    TypeError
-        Something that is not one of the above.
-    """
-    if isinstance(source, Mesh):
-        return source
-    if isinstance(source, (str, os.PathLike)):
-        return _load_file(Path(source))
-    if isinstance(source, tuple):
-        if len(source) != 2:
-            raise TypeError(f"mesh as a tuple must be (vertices, faces), got {len(source)} entries")
-        return Mesh(*source)
-    if hasattr(source, "vertices") and hasattr(source, "faces"):
-        return _from_trimesh(source)
-    raise TypeError(
-        "mesh must be a path, a trimesh.Trimesh, a scenewidget.Mesh or (vertices, faces), "
-        f"got {type(source).__name__}"
-    )
-
-
-def _load_file(path: Path) -> Mesh:
-    import trimesh  # 0.3 s to import: only when a file is read
-
-    if not path.exists():
-        raise FileNotFoundError(f"mesh file {str(path)!r} does not exist (looked in {str(Path.cwd())!r})")
-    if path.is_dir():
-        raise MeshError(f"{str(path)!r} is a folder, not a mesh file")
-    if path.suffix.lower() not in SUFFIXES:
-        raise MeshError(f"can't read {path.name!r}: suffix must be one of {', '.join(SUFFIXES)}")
-    if path.stat().st_size == 0:
-        raise MeshError(f"{path.name!r} is empty")
-    declared = _declared_faces(path)
-    try:
-        is_obj = path.suffix.lower() == ".obj"
-        loaded = _load_obj(path) if is_obj else trimesh.load(path, process=False)
-        if isinstance(loaded, trimesh.Scene):
-            loaded = loaded.to_mesh()
-    except Exception as error:  # trimesh raises whatever its parser stumbles over
-        hint = "; if its faces differ in their number of corners, split them into triangles first"
-        hint = hint if "unexpected length" in str(error) else ""
-        raise MeshError(
-            f"{path.name!r} is damaged, truncated or not a {path.suffix} file "
-            f"({type(error).__name__}: {error}){hint}"
-        ) from error
-    n_faces = len(loaded.faces) if hasattr(loaded, "faces") else 0
-    if n_faces < declared:
-        raise MeshError(
-            f"{path.name!r} is damaged or truncated: its header promises {declared} faces, "
-            f"{n_faces} could be read"
+def __getattr__(name: str) -> Any:
+    if name == "load_mesh":  # where it was until readers became a package
+        warnings.warn(
+            "load_mesh moved to scenewidget.engine.readers; sw.load_mesh is its public name",
+            DeprecationWarning,
+            stacklevel=2,
         )
-    if n_faces == 0:
-        raise MeshError(f"{path.name!r} holds no triangles, only points or curves; a surface mesh is needed")
-    return _from_trimesh(loaded, str(path.absolute()))
-
-
-def _from_trimesh(loaded: Any, source: str = "") -> Mesh:
-    colors = None
-    visual = getattr(loaded, "visual", None)
-    if visual is not None and getattr(visual, "defined", False):
-        if visual.kind == "texture":
-            visual = visual.to_color()
-        if visual.kind == "vertex":
-            colors = np.asarray(visual.vertex_colors)[:, :3]
-    return Mesh(loaded.vertices, loaded.faces, colors, source)
-
-
-def _declared_faces(path: Path) -> int:
-    """Faces that the file promises, 0 where the format has no count.
-
-    What the libraries below would take without a word is refused here: a forged count that allocates
-    memory, a file that ends too early, a face with fewer than three corners.
-    """
-    check = {".ply": _check_ply, ".off": _check_off, ".stl": _check_stl, ".obj": _check_obj}
-    run = check.get(path.suffix.lower())
-    return 0 if run is None else run(path)
-
-
-def _check_ply(path: Path) -> int:
-    with path.open("rb") as file:
-        head = file.read(1 << 20)
-    if not head.startswith(b"ply"):
-        raise MeshError(f"{path.name!r} does not start with 'ply': it is not a PLY file, or damaged")
-    end = head.find(b"end_header")
-    if end < 0:
-        raise MeshError(f"{path.name!r} is truncated: its PLY header has no end")
-    room = path.stat().st_size - end
-    count, total = 0, 0
-    for line in head[:end].decode("ascii", "replace").splitlines():
-        words = line.split()
-        if len(words) == 3 and words[0] == "element":
-            if not words[2].isdecimal() or int(words[2]) > room:
-                raise MeshError(
-                    f"{path.name!r} is damaged or truncated: its header promises {words[2]} of element "
-                    f"{words[1]!r}, but only {room} bytes follow"
-                )
-            total += int(words[2])
-            if words[1] == "face":
-                count = int(words[2])
-    if re.search(rb"^format\s+ascii", head[:end], re.MULTILINE):
-        _check_lines(path, total + len(re.findall(rb"^.*\S", head[:end], re.MULTILINE)) + 1)
-    return count
-
-
-def _check_off(path: Path) -> int:
-    with path.open("rb") as file:
-        head = re.sub(rb"#[^\n]*", b"", file.read(1 << 16))
-    counts = re.match(rb"\s*[A-Za-z]*OFF\s+(\d+)\s+(\d+)[^\n]*\n", head)
-    if counts is None:
-        return 0
-    _check_lines(path, int(counts[1]) + int(counts[2]) + counts[0].count(b"\n"))
-    return int(counts[2])
-
-
-def _check_lines(path: Path, least: int) -> None:
-    """Each element of a text file has a line: the only trace that a cut leaves among polygons."""
-    with path.open("rb") as file:
-        count = sum(1 for line in file if not line.isspace())
-    if count < least:
-        raise MeshError(
-            f"{path.name!r} is damaged or truncated: its header promises at least {least} lines, "
-            f"and it has {count}"
-        )
-
-
-def _check_stl(path: Path) -> int:
-    with path.open("rb") as file:
-        head = file.read(1024)
-        file.seek(0, os.SEEK_END)
-        size = file.tell()
-        file.seek(max(0, size - 1024))
-        tail = file.read()
-    count = int.from_bytes(head[80:84], "little")
-    if size == 84 + 50 * count:
-        return count
-    if head.lstrip()[:5].lower() != b"solid":
-        raise MeshError(
-            f"{path.name!r} is damaged or truncated: its header promises {count} faces "
-            f"in {84 + 50 * count} bytes, and it has {size}"
-        )
-    if b"endsolid" not in tail.lower():
-        raise MeshError(f"{path.name!r} is truncated: it does not end with 'endsolid'")
-    return 0
-
-
-def _load_obj(path: Path) -> Any:
-    """What trimesh makes of an OBJ file, with the faces in the order of the file."""
-    import trimesh
-
-    loaded = trimesh.load(
-        io.BytesIO(_absolute_indices(path.read_bytes())),
-        file_type="obj",
-        resolver=trimesh.resolvers.FilePathResolver(str(path)),
-        process=False,
-        maintain_order=True,
-        group_material=False,
-    )
-    if isinstance(loaded, trimesh.Scene):  # a part for each stretch of one material, the last first
-        loaded = trimesh.util.concatenate(list(loaded.geometry.values())[::-1])
-    return loaded
-
-
-def _absolute_indices(data: bytes) -> bytes:
-    """OBJ text whose negative indices, which count back from the line they stand in, count from 1."""
-    if not re.search(rb"^[ \t]*f[ \t][^\n]*-", data, re.MULTILINE):
-        return data
-    count = {b"v": 0, b"vt": 0, b"vn": 0}
-    lines = data.split(b"\n")
-    for i, line in enumerate(lines):
-        words = line.split()
-        if words and words[0] in count:
-            count[words[0]] += 1
-        elif words and words[0] == b"f":
-            corners = [
-                b"/".join(
-                    b"%d" % (total + 1 + int(index)) if index.startswith(b"-") else index
-                    for index, total in zip(corner.split(b"/"), count.values())
-                )
-                for corner in words[1:]
-            ]
-            lines[i] = b" ".join([b"f", *corners])
-    return b"\n".join(lines)
-
-
-def _check_obj(path: Path) -> int:
-    data = path.read_bytes()
-    if re.search(rb"^[ \t]*f(?:[ \t]+[^\s\\]+){0,2}[ \t]*\r?$", data, re.MULTILINE):
-        raise MeshError(f"{path.name!r} is damaged or truncated: it has a face with fewer than three corners")
-    if re.search(rb"^[ \t]*f[ \t](?:[^\n]*[ \t])?0+(?=[/\s]|\Z)", data, re.MULTILINE):
-        raise MeshError(f"{path.name!r} has a face with vertex 0, but OBJ files number vertices from 1")
-    return 0
+        return getattr(importlib.import_module("scenewidget.engine.readers"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -14,9 +14,10 @@ from typing import Any
 
 from scenewidget.engine.family import Family
 from scenewidget.engine.memo import Memo
-from scenewidget.engine.mesh import Mesh, load_mesh
+from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.monitor import Monitor, Progress
 from scenewidget.engine.params import Params
+from scenewidget.engine.readers import load_mesh
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.engine.stages import Stage, stages
 

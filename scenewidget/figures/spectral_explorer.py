@@ -13,8 +13,9 @@ import numpy as np
 import traitlets
 
 from scenewidget.engine.features import heat_kernel_signature, heat_kernel_times
-from scenewidget.engine.mesh import FloatArray, Mesh, load_mesh
+from scenewidget.engine.mesh import FloatArray, Mesh
 from scenewidget.engine.operators import Eigenbasis, LaplacianKind, eigenbasis
+from scenewidget.engine.readers import load_mesh
 from scenewidget.figures.drawing import Drawing, at_most, draw
 from scenewidget.figures.orbit import Figure
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from scenewidget.engine.mesh import Mesh, face_adjacency, load_mesh
+from scenewidget.engine.mesh import Mesh, face_adjacency
 from scenewidget.engine.preprocess import simplify
+from scenewidget.engine.readers import load_mesh
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 

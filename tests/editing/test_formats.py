@@ -19,7 +19,8 @@ import scenewidget as sw
 from scenewidget.datasets.scenenn import load_scenenn
 from scenewidget.editing.formats import FormatError
 from scenewidget.editing.formats.common import faces_from_vertices, vertices_from_faces
-from scenewidget.engine.mesh import Mesh, load_mesh
+from scenewidget.engine.mesh import Mesh
+from scenewidget.engine.readers import load_mesh
 from scenewidget.engine.segmentation import Segmentation
 
 NAMES = ("floor", "Tür <a&b>", "chair 1", "", "=1+1", 'q"uote\\')

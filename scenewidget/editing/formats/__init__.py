@@ -19,7 +19,8 @@ from scenewidget.editing.files import checked_path
 from scenewidget.editing.fingerprint import fingerprint
 from scenewidget.editing.formats import glb, npz, plain, ply, scannet, scenenn, table
 from scenewidget.editing.formats.common import FormatError, Labels, faces_from_vertices
-from scenewidget.engine.mesh import Mesh, load_mesh
+from scenewidget.engine.mesh import Mesh
+from scenewidget.engine.readers import load_mesh
 from scenewidget.engine.segmentation import Segmentation
 
 __all__ = ["FormatError", "export", "import_labels"]

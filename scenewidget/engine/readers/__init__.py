@@ -1,0 +1,175 @@
+"""Reading scans: one door for every format, behind it one module each.
+
+Goes in: a file, a trimesh or arrays. Comes out: a checked `Mesh`, whose ``report`` says what was repaired
+or guessed. Nothing but `MeshError`, `TypeError` and `OSError` leaves this package, and what a file
+declares is held against its size, and against `scan.MAX_BYTES`, before memory is asked for.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from scenewidget.engine.checks import warn_caller
+from scenewidget.engine.mesh import LARGEST, Mesh, MeshError
+from scenewidget.engine.readers import gltf, obj, off, ply, stl
+from scenewidget.engine.readers.colors import at_vertices
+from scenewidget.engine.readers.repair import checked_triangles, lost_precision, wound_alike
+from scenewidget.engine.readers.scan import Notes, Scan
+from scenewidget.engine.readers.sniff import MESHES, kind_of
+
+__all__ = ["load_mesh"]
+
+_READERS: dict[str, Callable[[Path, Notes], Scan]] = {
+    "ply": ply.read,
+    "obj": obj.read,
+    "glb": gltf.read,
+    "gltf": gltf.read,
+    "stl": stl.read,
+    "off": off.read,
+}
+
+
+def load_mesh(source: str | os.PathLike[str] | tuple[Any, Any] | Any, *, strict: bool = False) -> Mesh:
+    """Read a mesh from a file, a trimesh or arrays.
+
+    Parameters
+    ----------
+    source : path, trimesh.Trimesh, Mesh, or (vertices, faces)
+        Files: PLY, OBJ with its materials, GLB, glTF, STL, OFF, known by their content before their suffix;
+        ``~`` is the home folder. Vertices and faces keep the numbers that they have in the file; the parts
+        of a scene are put together with their transforms. Polygons are cut into triangles in their place,
+        and ``faces_of_file`` says from which face each came. Colours of vertices, faces, materials and
+        textures all become colours of vertices.
+    strict : bool
+        Refuse what would be repaired: faces with corners that don't exist or aren't finite, which are
+        dropped otherwise, and faces that look to the other side than their neighbours, which are turned.
+
+    Returns
+    -------
+    Mesh
+        ``mesh.report`` has a line for everything that was repaired, dropped or guessed.
+
+    Raises
+    ------
+    FileNotFoundError
+        No such file.
+    MeshError
+        A format that we don't read, a damaged or truncated file, one that asks for more than 4 GB once
+        decoded, or geometry that `Mesh` refuses.
+    TypeError
+        Something that is not one of the above.
+
+    Warns
+    -----
+    UserWarning
+        Something was lost: dropped faces, missing textures, digits.
+
+    Examples
+    --------
+    >>> mesh = load_mesh(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+    >>> mesh.n_faces, mesh.report
+    (1, ())
+    """
+    if isinstance(source, Mesh):
+        return source
+    notes = Notes()
+    if isinstance(source, (str, os.PathLike)):
+        mesh = _load_file(Path(source).expanduser(), notes, strict)
+    elif isinstance(source, tuple):
+        if len(source) != 2:
+            raise TypeError(f"mesh as a tuple must be (vertices, faces), got {len(source)} entries")
+        mesh = _from_arrays(*source, None, notes, strict)
+    elif hasattr(source, "vertices") and hasattr(source, "faces"):
+        mesh = _from_arrays(source.vertices, source.faces, _colors_of(source, notes), notes, strict)
+    else:
+        raise TypeError(
+            "mesh must be a path, a trimesh.Trimesh, a scenewidget.Mesh or (vertices, faces), "
+            f"got {type(source).__name__}"
+        )
+    for line in notes.warned:
+        warn_caller(f"{Path(mesh.source).name or 'mesh'}: {line}")
+    return mesh
+
+
+def _load_file(path: Path, notes: Notes, strict: bool) -> Mesh:
+    kind = kind_of(path, MESHES)
+    if kind not in _READERS:
+        raise MeshError(f"{path.name!r} is a point cloud ({kind.upper()}): sw.load_cloud reads it")
+    scan = _guarded(path, kind, notes)
+    if scan.n_polygons == 0:
+        what = "points" if len(scan.vertices) else "nothing, or only curves"
+        hint = "sw.load_cloud reads it as a point cloud" if len(scan.vertices) else "a surface mesh is needed"
+        raise MeshError(f"{path.name!r} holds no triangles, only {what}; {hint}")
+    lost_precision(scan.vertices, notes)
+    return _mesh_of(scan, notes, strict, repr(path.name), str(path.absolute()))
+
+
+def _guarded(path: Path, kind: str, notes: Notes) -> Scan:
+    """What the reader of a format makes of a file; all that it stumbles over is a `MeshError`."""
+    try:
+        with np.errstate(all="ignore"):
+            return _READERS[kind](path, notes)
+    except (MeshError, OSError):
+        raise
+    except MemoryError as error:
+        raise MeshError(f"{path.name!r} needs more memory than there is; cut the scan in parts") from error
+    except Exception as error:  # a damaged file breaks a reader in any way that there is
+        raise MeshError(
+            f"{path.name!r} is damaged, truncated or not of the format {kind.upper()} "
+            f"({type(error).__name__}: {error!s:.200})"
+        ) from error
+
+
+def _mesh_of(scan: Scan, notes: Notes, strict: bool, name: str, source: str = "") -> Mesh:
+    n_polygons = scan.n_polygons
+    triangles, polygon = checked_triangles(scan, notes, strict=strict, name=name)
+    if len(triangles) == 0:
+        raise MeshError(f"{name} holds no triangle that could be used: all have fewer than three corners")
+    vertices = scan.vertices
+    with np.errstate(invalid="ignore"):
+        is_far = ~(np.abs(vertices) <= LARGEST).all(axis=1)
+    if is_far.any():
+        is_used = np.zeros(len(vertices), dtype=bool)
+        is_used[triangles] = True
+        vertices = np.where((is_far & ~is_used)[:, None], 0.0, vertices)
+    mesh = Mesh(vertices, triangles, scan.colors, source, polygon, n_polygons)
+    turned = wound_alike(mesh, notes, strict=strict, name=name)
+    if turned is mesh.faces:
+        return dataclasses.replace(mesh, report=tuple(notes.lines)) if notes.lines else mesh
+    return dataclasses.replace(mesh, faces=turned, report=tuple(notes.lines))
+
+
+def _from_arrays(vertices: Any, faces: Any, colors: Any, notes: Notes, strict: bool) -> Mesh:
+    """As from a file, where the arrays are such as a file could hold; else `Mesh` says what is wrong."""
+    try:
+        places, corners = np.asarray(vertices), np.asarray(faces)
+    except ValueError:
+        return Mesh(vertices, faces, colors)
+    is_plain = places.dtype.kind in "iuf" and corners.dtype.kind in "iu"
+    if not is_plain or places.shape[1:] != (3,) or corners.shape[1:] != (3,) or not len(corners):
+        return Mesh(vertices, faces, colors)
+    scan = Scan(np.asarray(places, dtype=np.float64), corners.reshape(-1))
+    scan.colors = colors
+    return _mesh_of(scan, notes, strict, "mesh")
+
+
+def _colors_of(source: Any, notes: Notes) -> Any:
+    """(n_vertices, 3) uint8 of a trimesh, or None."""
+    visual = getattr(source, "visual", None)
+    if visual is None or not getattr(visual, "defined", False):
+        return None
+    if visual.kind == "texture":
+        visual = visual.to_color()
+    if visual.kind == "vertex":
+        return np.asarray(visual.vertex_colors)[:, :3]
+    if visual.kind == "face":
+        notes.say("colours stand at the faces: a vertex has the mean of those around it")
+        faces = np.repeat(np.asarray(visual.face_colors)[:, :3], 3, axis=0)
+        return at_vertices(np.asarray(source.faces).reshape(-1), faces, len(source.vertices))
+    return None

@@ -1,0 +1,359 @@
+"""OBJ with its materials: positions, colours behind them, polygons, textures.
+
+Wavefront's *Object Files* and *Material Library Files*. Seams of texture coordinates don't multiply the
+vertices: each keeps its number, and has the mean of the colours at its corners.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, MeshError
+from scenewidget.engine.readers.colors import Texture, as_bytes, at_vertices, open_image
+from scenewidget.engine.readers.scan import ByteArray, Notes, Scan
+from scenewidget.engine.readers.text import chunks, numbers, row_lengths, whole_numbers, words_per_line
+
+__all__ = ["read"]
+
+MAX_LIBRARY = 1 << 24  # bytes of a material library
+OPTIONS = {  # of map_Kd, and how many words follow each
+    "-blendu": 1, "-blendv": 1, "-boost": 1, "-mm": 2, "-o": 3, "-s": 3, "-t": 3, "-texres": 1, "-clamp": 1,
+    "-bm": 1, "-imfchan": 1, "-type": 1, "-cc": 1, "-colorspace": 1,
+}  # fmt: skip
+
+
+@dataclass
+class _Faces:
+    """Corners as written, counting from 1 or back from the line; 0 where there is none."""
+
+    vertex: IntArray
+    texture: IntArray
+    counts: IntArray
+
+
+def read(path: Path, notes: Notes) -> Scan:
+    """Vertices and polygons of an OBJ at ``path``; ``notes`` hear what was guessed or lost."""
+    data = np.fromfile(path, dtype=np.uint8)
+    if (data == ord("\\")).any():  # lines that go on
+        data = np.frombuffer(bytearray(re.sub(rb"\\\r?\n", b" ", data.tobytes())), dtype=np.uint8)
+    if not (data == 10).any():
+        data[data == 13] = 10
+    if re.search(rb"^[ \t]+\S", data.data, re.MULTILINE):
+        text = re.sub(rb"^[ \t]+", b"", data.tobytes(), flags=re.MULTILINE)
+        data = np.frombuffer(bytearray(text), dtype=np.uint8)
+    lines = _Lines(data)
+    try:
+        return _read(path, lines, notes)
+    except MeshError as error:
+        raise error if path.name in str(error) else MeshError(f"{path.name!r} {error}") from None
+
+
+class _Lines:
+    """Lines of a text by the word that they begin with; taking them out blanks that word."""
+
+    def __init__(self, data: ByteArray) -> None:
+        self.data = data
+        ends = np.flatnonzero(data == 10)
+        self.ends = np.append(ends, len(data))
+        self.starts = np.concatenate([[0], ends + 1])
+        first, second, third = (
+            np.where(self.starts + k < self.ends, data[np.minimum(self.starts + k, len(data) - 1)], 10)
+            for k in range(3)
+        )
+        is_blank = (second == 32) | (second == 9)
+        is_long = (third == 32) | (third == 9)
+        self.is_vertex = (first == ord("v")) & is_blank
+        self.is_texture = (first == ord("v")) & (second == ord("t")) & is_long
+        self.is_face = (first == ord("f")) & is_blank
+        self.is_material = (first == ord("u")) & (second == ord("s"))
+        self.is_library = (first == ord("m")) & (second == ord("t"))
+
+    def block(self, which: BoolArray, width: int) -> bytes:
+        """Text of these lines, their first word, of ``width`` letters, left out."""
+        rows = np.flatnonzero(which)
+        if len(rows) == 0:
+            return b""
+        for k in range(width):
+            self.data[self.starts[rows] + k] = 32
+        runs = np.flatnonzero(np.concatenate([[True], np.diff(rows) > 1]))
+        last = np.append(runs[1:], len(rows)) - 1
+        spans = zip(self.starts[rows[runs]].tolist(), self.ends[rows[last]].tolist())
+        whole = self.data.data
+        return b"\n".join([whole[a:b] for a, b in spans])
+
+    def words(self, which: BoolArray) -> list[str]:
+        """What stands behind the first word of these lines."""
+        spans = zip(self.starts[which].tolist(), self.ends[which].tolist())
+        texts = (bytes(self.data[a:b]).decode("utf-8", "replace").split(None, 1) for a, b in spans)
+        return [text[1].strip() if len(text) > 1 else "" for text in texts]
+
+
+def _read(path: Path, lines: _Lines, notes: Notes) -> Scan:
+    materials = lines.words(lines.is_material)
+    libraries = lines.words(lines.is_library)
+    vertices, colors = _vertices(lines, notes)
+    scan = Scan(vertices)
+    scan.colors = colors
+    faces = _faces(path, lines)
+    if faces is None:
+        return scan
+    line_of_corner = np.repeat(np.flatnonzero(lines.is_face), faces.counts)
+    scan.corners = _from_zero(faces.vertex, line_of_corner, lines.is_vertex)
+    if (faces.vertex == 0).any() and faces.vertex.max() < len(vertices):
+        raise MeshError(
+            f"{path.name!r} has a face with vertex 0, but OBJ files number vertices from 1: add 1 to each"
+        )
+    scan.counts = None if (faces.counts == 3).all() else faces.counts
+    if libraries and materials:
+        line_of_material = np.flatnonzero(lines.is_material)
+        used = np.searchsorted(line_of_material, np.flatnonzero(lines.is_face)) - 1
+        uv = _from_zero(faces.texture, line_of_corner, lines.is_texture)
+        known = _library(path, libraries, notes)
+        scan.colors = _material_colors(path, scan, faces, uv, lines, materials, used, known, notes)
+    return scan
+
+
+def _vertices(lines: _Lines, notes: Notes) -> tuple[FloatArray, ByteArray | None]:
+    values, width = _rows(lines.block(lines.is_vertex, 1))
+    if len(width) == 0:
+        raise MeshError("holds no vertices: it is no OBJ file, or damaged")
+    if width.min() < 3:
+        raise MeshError("is damaged or truncated: it has a vertex with fewer than three coordinates")
+    start = np.cumsum(width) - width
+    vertices = values[start[:, None] + np.arange(3)]
+    has_color = width >= 6  # x y z r g b, or x y z w r g b
+    if not has_color.any():
+        return vertices, None
+    behind = np.where(width >= 7, 4, 3)[has_color]
+    found = as_bytes(values[(start[has_color] + behind)[:, None] + np.arange(3)], notes)
+    if found is None:
+        return vertices, None
+    colors = np.full((len(vertices), 3), 255, dtype=np.uint8)
+    colors[has_color] = found
+    if not has_color.all():
+        notes.say(f"{int((~has_color).sum())} of {len(vertices)} vertices have no colour and are white")
+    return vertices, colors
+
+
+def _rows(block: bytes) -> tuple[FloatArray, IntArray]:
+    return numbers(block), row_lengths(block)
+
+
+# --- faces ----------------------------------------------------------------------------------------
+
+
+def _faces(path: Path, lines: _Lines) -> _Faces | None:
+    block = lines.block(lines.is_face, 1)
+    if b"#" in block:  # remarks behind a face
+        block = re.sub(rb"#[^\n]*", b"", block)
+    if not block:
+        return None
+    found = [_corners(piece) for piece in chunks(block)]
+    faces = _Faces(*(np.concatenate(parts) for parts in zip(*found)))
+    if faces.counts[-1] < 3 and lines.data[-1] not in (10, 13):
+        raise MeshError(
+            f"{path.name!r} is damaged or truncated: it ends in a face with fewer than three corners"
+        )
+    return faces
+
+
+def _corners(piece: bytes) -> tuple[IntArray, IntArray, IntArray]:
+    """Vertices and texture coordinates of the corners of some lines, and the corners of each line."""
+    counts = words_per_line(piece)
+    if b"/" not in piece:
+        vertex = whole_numbers(piece).astype(np.int32)
+        return vertex, np.zeros(len(vertex), dtype=np.int32), counts
+    raw = np.frombuffer(piece, dtype=np.uint8)
+    line = np.concatenate([[0], np.flatnonzero(raw == 10) + 1])[: len(counts)]
+    is_slash = raw == ord("/")
+    slashes = np.add.reduceat(is_slash, line, dtype=np.int64)
+    is_slash[1:] &= is_slash[:-1]
+    is_slash[:1] = False
+    doubles = np.add.reduceat(is_slash, line, dtype=np.int64)
+    spread = piece.replace(b"/", b" ")
+    per_line = words_per_line(spread)
+    shapes = (  # of every corner of a line: 1, 1/2, 1//3, 1/2/3
+        (slashes == 0),
+        (slashes == counts) & (doubles == 0) & (per_line == 2 * counts),
+        (slashes == 2 * counts) & (doubles == counts) & (per_line == 2 * counts),
+        (slashes == 2 * counts) & (doubles == 0) & (per_line == 3 * counts),
+    )
+    values = whole_numbers(spread)
+    for shape, stride in zip(shapes, (1, 2, 2, 3)):
+        if shape.all():
+            vertex = values[::stride].astype(np.int32)
+            has_texture = shape is shapes[1] or shape is shapes[3]
+            return vertex, (values[1::stride] * has_texture).astype(np.int32), counts
+    words = [word.split(b"/") for word in piece.split()]
+    vertex = whole_numbers(b" ".join(word[0] or b"?" for word in words)).astype(np.int32)
+    texture = whole_numbers(b" ".join(word[1] if len(word) > 1 and word[1] else b"0" for word in words))
+    return vertex, texture.astype(np.int32), counts
+
+
+def _from_zero(index: IntArray, line: IntArray, is_entry: BoolArray) -> IntArray:
+    """Indices from 0; negative ones count back from the line that they stand in. -1 where there is none."""
+    out = index - 1
+    is_back = index < 0
+    if is_back.any():
+        before = np.cumsum(is_entry)
+        found = before[line[is_back]] + index[is_back]
+        out[is_back] = np.where(found < 0, -1, found)
+    return out
+
+
+# --- materials ------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Material:
+    color: tuple[float, float, float] | None = None  # Kd
+    picture: str = ""  # map_Kd
+    is_clamped: bool = False
+    scale: tuple[float, float] = (1.0, 1.0)
+    offset: tuple[float, float] = (0.0, 0.0)
+
+
+def _library(path: Path, names: list[str], notes: Notes) -> dict[str, _Material]:
+    """Materials of the libraries beside the file."""
+    out: dict[str, _Material] = {}
+    for name in dict.fromkeys(names):
+        found = _find(path, name)
+        if found is None:
+            notes.say(f"material library {name!r} is missing: colours of materials are lost", warn=True)
+            continue
+        if found.stat().st_size > MAX_LIBRARY:
+            notes.say(f"material library {name!r} is too large to be one: left out", warn=True)
+            continue
+        material = _Material()
+        for line in found.read_bytes().decode("utf-8", "replace").splitlines():
+            words = line.split(None, 1)
+            key = words[0].lower() if len(words) > 1 else ""
+            if key == "newmtl":
+                material = out.setdefault(words[1].strip(), _Material())
+            elif key == "kd":
+                material.color = _color(words[1])
+            elif key in ("map_kd", "map_ka") and (key == "map_kd" or not material.picture):
+                _take_map(material, words[1])
+    return out
+
+
+def _color(text: str) -> tuple[float, float, float] | None:
+    try:
+        values = [float(word) for word in text.split()[:3]]
+    except ValueError:  # a spectrum, or damage
+        return None
+    r, g, b = (values * 3)[:3] if len(values) == 1 else (*values, 0.0, 0.0)[:3]
+    return (r, g, b)
+
+
+def _take_map(material: _Material, text: str) -> None:
+    words = text.split()
+    while words and words[0].lower() in OPTIONS:
+        option, width = words[0].lower(), OPTIONS[words[0].lower()]
+        given = words[1 : 1 + width]
+        if width == 3:  # one to three numbers
+            given = [w for k, w in enumerate(given) if re.fullmatch(r"[-+.\deE]+", w) and k < len(words) - 2]
+        if option == "-clamp":
+            material.is_clamped = given == ["on"]
+        elif option in ("-s", "-o") and given:
+            values = (
+                [float(w) for w in given] + [float(given[-1])]
+                if option == "-s"
+                else [float(w) for w in given] + [0.0]
+            )
+            pair = (values[0], values[1])
+            material.scale, material.offset = (
+                (pair, material.offset) if option == "-s" else (material.scale, pair)
+            )
+        text = text.split(None, 1 + len(given))[-1]
+        words = words[1 + len(given) :]
+    material.picture = text.strip().strip('"')
+
+
+def _find(path: Path, name: str) -> Path | None:
+    """A file that another names: where it says, if that is within reach, else beside it by its last part."""
+    parts = [part for part in re.split(r"[\\/]", name.strip().strip('"')) if part]
+    if not parts or "\0" in name:
+        return None
+    for candidate in (path.parent.joinpath(*parts), path.with_name(parts[-1])):
+        if ":" not in parts[0] and candidate.is_file():
+            return candidate
+    folder = {entry.name.lower(): entry for entry in path.parent.iterdir() if entry.is_file()}
+    return folder.get(parts[-1].lower())
+
+
+def _material_colors(
+    path: Path,
+    scan: Scan,
+    faces: _Faces,
+    uv_index: IntArray,
+    lines: _Lines,
+    names: list[str],
+    used: IntArray,
+    known: dict[str, _Material],
+    notes: Notes,
+) -> ByteArray | None:
+    """Vertex colours out of materials; those of the vertices where a material says nothing."""
+    uv, width = _rows(lines.block(lines.is_texture, 2))
+    coordinates = np.zeros((0, 2))
+    if len(width) and width.min() >= 2:
+        coordinates = uv[(np.cumsum(width) - width)[:, None] + np.arange(2)]
+    material_of_corner = np.repeat(used, faces.counts)
+    sides = np.repeat(faces.counts, faces.counts)
+    colors = np.zeros((len(scan.corners), 3), dtype=np.uint8)
+    is_known = np.zeros(len(scan.corners), dtype=bool)
+    pictures: dict[str, Any] = {}
+    number = {name: k for k, name in enumerate(dict.fromkeys(names))}
+    code = np.array([*(number[name] for name in names), -1])[material_of_corner]
+    for name, k in number.items():
+        material = known.get(name)
+        if material is None:
+            continue
+        mine = code == k
+        picture = material.picture
+        if picture and len(coordinates):
+            if picture not in pictures:
+                found = _find(path, picture)
+                pictures[picture] = open_image(found or path.with_name("?"), picture, notes)
+            if pictures[picture] is None:
+                continue
+            wrap = "clamp" if material.is_clamped else "repeat"
+            texture = Texture(pictures[picture], wrap=(wrap, wrap))
+            usable = mine & (uv_index >= 0) & (uv_index < len(coordinates))
+            for n in np.unique(sides[usable]).tolist():
+                polygon = _whole_polygons(usable & (sides == n), n)
+                places = coordinates[uv_index[polygon]] * material.scale + material.offset
+                colors[polygon] = texture.at(places.reshape(-1, n, 2)).reshape(-1, 3)
+                is_known[polygon] = True
+        elif material.color is not None and not picture:
+            colors[mine] = np.clip(np.round(255 * np.nan_to_num(np.array(material.color))), 0, 255)
+            is_known |= mine
+    if scan.colors is not None and not pictures:  # colours of its own tell more than one for all
+        return scan.colors
+    if not is_known.any():
+        return scan.colors
+    missing = len(is_known) - int(is_known.sum())
+    if missing and scan.colors is None:
+        notes.say(f"{missing} of {len(is_known)} corners of faces have no colour; they count as white")
+    return at_vertices(scan.corners, colors, len(scan.vertices), is_known=is_known, fallback=scan.colors)
+
+
+def _whole_polygons(which: BoolArray, n: int) -> IntArray:
+    """Corners, of polygons with n of them, of those that are chosen as a whole."""
+    index = np.flatnonzero(which)
+    if len(index) % n == 0 and (np.diff(index.reshape(-1, n), axis=1) == 1).all():
+        return index
+    keep = []
+    at = 0
+    while at + n <= len(index):  # a corner without coordinates spoils its polygon
+        if index[at + n - 1] - index[at] == n - 1:
+            keep.append(index[at : at + n])
+            at += n
+        else:
+            at += 1
+    return np.concatenate(keep) if keep else np.empty(0, dtype=np.int64)

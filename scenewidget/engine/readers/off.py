@@ -1,0 +1,75 @@
+"""OFF and its relatives with colours or normals at the vertices (COFF, NOFF, CNOFF) and colours at the faces.
+
+Geomview's object file format.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from scenewidget.engine.mesh import MeshError
+from scenewidget.engine.readers.colors import as_bytes, at_vertices
+from scenewidget.engine.readers.scan import Notes, Scan, check_promise
+from scenewidget.engine.readers.text import numbers, row_lengths
+
+__all__ = ["read"]
+
+
+def read(path: Path, notes: Notes) -> Scan:
+    """Vertices and polygons of an OFF at ``path``; ``notes`` hear what was guessed or lost."""
+    data = path.read_bytes()
+    if b"#" in data:
+        data = re.sub(rb"#[^\n]*", b"", data)
+    head = re.match(rb"\s*(ST)?(C)?(N)?(4)?(n)?OFF\b([ \t]+BINARY)?", data)
+    if head is None:
+        raise MeshError(f"{path.name!r} does not start with 'OFF': it is not an OFF file, or damaged")
+    if head[4] or head[5] or head[6]:
+        raise MeshError(
+            f"{path.name!r} is an OFF of a rare kind ({head[0].decode().strip()}): save it as PLY"
+        )
+    body = data[head.end() :].lstrip()
+    counts = re.match(rb"(\d{1,18})\s+(\d{1,18})(?:[ \t]+\d+)?[ \t\r]*(?:\n|$)", body)
+    if counts is None:
+        raise MeshError(
+            f"{path.name!r} is damaged or truncated: the numbers of its vertices and faces are missing"
+        )
+    body = body[counts.end() :]
+    n_vertices, n_faces = int(counts[1]), int(counts[2])
+    check_promise(path, "vertices", n_vertices, 6, len(body) + 1)
+    check_promise(path, "faces", n_faces, 2, len(body) + 1)
+    values, width = numbers(body), row_lengths(body)
+    if len(width) < n_vertices + n_faces:
+        raise MeshError(
+            f"{path.name!r} is damaged or truncated: its header promises at least {n_vertices + n_faces} "
+            f"lines, and it has {len(width)}"
+        )
+    start = np.cumsum(width) - width
+    at, wide = start[:n_vertices], width[:n_vertices]
+    least = 3 + 3 * (head[3] is not None)
+    if wide.min(initial=least) < least:
+        raise MeshError(f"{path.name!r} is damaged or truncated: a vertex has fewer than {least} numbers")
+    scan = Scan(values[at[:, None] + np.arange(3)])
+    if n_vertices and wide.min() >= least + 3:  # also where the head forgets the C
+        scan.colors = as_bytes(values[at[:, None] + least + np.arange(3)], notes)
+    at, wide = start[n_vertices : n_vertices + n_faces], width[n_vertices : n_vertices + n_faces]
+    count = values[at]
+    if not ((count >= 0) & (count == np.floor(count)) & (count < wide)).all():
+        row = int(np.flatnonzero(~((count >= 0) & (count == np.floor(count)) & (count < wide)))[0])
+        raise MeshError(
+            f"{path.name!r} is damaged or truncated: face {row} has fewer corners than it promises"
+        )
+    scan.counts = count.astype(np.int64)
+    inside = np.arange(int(scan.counts.sum())) - np.repeat(np.cumsum(scan.counts) - scan.counts, scan.counts)
+    scan.corners = values[np.repeat(at, scan.counts) + 1 + inside]
+    behind = wide - 1 - scan.counts
+    if scan.colors is None and n_faces and behind.min() >= 3:
+        place = (at + 1 + scan.counts)[:, None] + np.arange(3)
+        found = as_bytes(values[place], notes)
+        if found is not None:
+            notes.say("colours stand at the faces: a vertex has the mean of those around it")
+            corners = np.where(np.isfinite(scan.corners), scan.corners, -1).astype(np.int64)
+            scan.colors = at_vertices(corners, np.repeat(found, scan.counts, axis=0), n_vertices)
+    return scan

@@ -1,0 +1,100 @@
+"""What a file of a scanner says, before anything about it is judged, and the limits of what is read.
+
+Every reader makes a `Scan`; `scenewidget.engine.readers` checks, repairs and turns it into a `Mesh` or a
+`PointCloud`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from scenewidget.engine.mesh import FloatArray, IntArray, MeshError
+
+__all__ = ["MAX_BYTES", "MAX_PIXELS", "ByteArray", "Notes", "Scan", "check_promise", "check_size"]
+
+ByteArray = npt.NDArray[np.uint8]
+
+MAX_BYTES = 2**32  # that a scan may take once it is decoded; more is refused before memory is asked for
+MAX_PIXELS = 2**26  # of one texture, 8192 × 8192; of larger JPEGs a half or a quarter is read
+VERTEX_BYTES, FACE_BYTES = 24, 12  # what `Mesh` needs for one
+
+
+@dataclass
+class Notes:
+    """Remarks on a scan, one line each: what was repaired, dropped or guessed.
+
+    Attributes
+    ----------
+    lines : list of str
+        For ``Mesh.report``.
+    warned : list of str
+        Those of the lines that a user should hear of without asking.
+    """
+
+    lines: list[str] = field(default_factory=list)
+    warned: list[str] = field(default_factory=list)
+
+    def say(self, line: str, *, warn: bool = False) -> None:
+        """Add a line once; ``warn`` says it aloud as well."""
+        if line not in self.lines:
+            self.lines.append(line)
+            if warn:
+                self.warned.append(line)
+
+
+@dataclass(eq=False)
+class Scan:
+    """Vertices and polygons in the numbering of the file.
+
+    Attributes
+    ----------
+    vertices : (n_vertices, 3) float64
+        As written, in the unit of the file; may hold NaN.
+    corners : (n_corners,) int
+        Vertices of all polygons, one polygon after the other; may point anywhere.
+    counts : (n_polygons,) int, optional
+        Corners of each polygon; None where all have three.
+    colors : (n_vertices, 3) uint8, optional
+    normals : (n_vertices, 3) float, optional
+        For point clouds.
+    viewpoint : (3,) or (n_vertices, 3) float, optional
+        Where the scanner stood.
+    is_single : bool
+        Positions were stored as 32-bit floats, so digits may be lost.
+    """
+
+    vertices: FloatArray
+    corners: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int32))
+    counts: IntArray | None = None
+    colors: ByteArray | None = None
+    normals: FloatArray | None = None
+    viewpoint: FloatArray | None = None
+    is_single: bool = False
+
+    @property
+    def n_polygons(self) -> int:
+        """Number of polygons."""
+        return len(self.corners) // 3 if self.counts is None else len(self.counts)
+
+
+def check_size(path: Path, what: str, n_bytes: Any) -> None:
+    """Refuse ``what`` of the file at ``path`` would take more than `MAX_BYTES`: ``n_bytes`` once decoded."""
+    if n_bytes > MAX_BYTES:
+        raise MeshError(
+            f"{path.name!r} asks for {n_bytes / 1e9:.3g} GB of {what}, and at most {MAX_BYTES / 1e9:.1f} GB "
+            "are read; if that is right, cut the scan in parts or thin it out first"
+        )
+
+
+def check_promise(path: Path, what: str, count: Any, least: int, room: int) -> None:
+    """Refuse a ``count`` of ``what``, at least ``least`` bytes each, for which ``path`` has no ``room``."""
+    if not 0 <= count <= room // max(least, 1):
+        raise MeshError(
+            f"{path.name!r} is damaged or truncated: its header promises {count} {what}, but only {room} "
+            "bytes follow"
+        )
