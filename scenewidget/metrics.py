@@ -69,7 +69,7 @@ def rand_index_error(
     weights : (n,) float, optional
         How much each item counts, areas for example; all alike by default.
     unlabeled : "drop" | "one" | "singletons"
-        What becomes of items with a negative label; see the module's docstring.
+        What becomes of items with a negative label: left out, one segment, or a segment each.
 
     Returns
     -------
@@ -101,12 +101,8 @@ def global_consistency_error(
 
     Parameters
     ----------
-    a, b : (n,) int or Segmentation
-        Labels of the same items; see the module's docstring.
-    weights : (n,) float, optional
-        How much each item counts, areas for example; all alike by default.
-    unlabeled : "drop" | "one" | "singletons"
-        What becomes of items with a negative label; see the module's docstring.
+    a, b, weights, unlabeled
+        As of `rand_index_error`.
 
     Returns
     -------
@@ -132,12 +128,8 @@ def local_consistency_error(
 
     Parameters
     ----------
-    a, b : (n,) int or Segmentation
-        Labels of the same items; see the module's docstring.
-    weights : (n,) float, optional
-        How much each item counts, areas for example; all alike by default.
-    unlabeled : "drop" | "one" | "singletons"
-        What becomes of items with a negative label; see the module's docstring.
+    a, b, weights, unlabeled
+        As of `rand_index_error`.
 
     Returns
     -------
@@ -172,12 +164,8 @@ def hamming_distance(
 
     Parameters
     ----------
-    a, b : (n,) int or Segmentation
-        Labels of the same items; see the module's docstring.
-    weights : (n,) float, optional
-        How much each item counts, areas for example; all alike by default.
-    unlabeled : "drop" | "one" | "singletons"
-        What becomes of items with a negative label; see the module's docstring.
+    a, b, weights, unlabeled
+        As of `rand_index_error`.
     directional : bool
         Whether only what of `a` lies outside of `b` counts.
 
@@ -206,12 +194,8 @@ def adjusted_rand_index(
 
     Parameters
     ----------
-    a, b : (n,) int or Segmentation
-        Labels of the same items; see the module's docstring.
-    weights : (n,) float, optional
-        How much each item counts, areas for example; all alike by default.
-    unlabeled : "drop" | "one" | "singletons"
-        What becomes of items with a negative label; see the module's docstring.
+    a, b, weights, unlabeled
+        As of `rand_index_error`.
 
     Returns
     -------
@@ -244,12 +228,8 @@ def variation_of_information(
 
     Parameters
     ----------
-    a, b : (n,) int or Segmentation
-        Labels of the same items; see the module's docstring.
-    weights : (n,) float, optional
-        How much each item counts, areas for example; all alike by default.
-    unlabeled : "drop" | "one" | "singletons"
-        What becomes of items with a negative label; see the module's docstring.
+    a, b, weights, unlabeled
+        As of `rand_index_error`.
 
     Returns
     -------
@@ -274,12 +254,8 @@ def mean_iou(a: Labels, b: Labels, weights: FloatArray | None = None, unlabeled:
 
     Parameters
     ----------
-    a, b : (n,) int or Segmentation
-        Labels of the same items; `b` is the truth. See the module's docstring.
-    weights : (n,) float, optional
-        How much each item counts, areas for example; all alike by default.
-    unlabeled : "drop" | "one" | "singletons"
-        What becomes of items with a negative label; see the module's docstring.
+    a, b, weights, unlabeled
+        As of `rand_index_error`; `b` is the truth.
 
     Returns
     -------

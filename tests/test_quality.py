@@ -1,10 +1,12 @@
 """The rules that tools can hold: style, types, the direction of imports, a fast start."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from vulture import Vulture
 
 ROOT = Path(__file__).parent.parent
 
@@ -23,6 +25,27 @@ def test_the_tree_passes(command):
     tool = Path(sys.executable).parent / command[0]
     done = subprocess.run([tool, *command[1:]], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+CALLED_FROM_OUTSIDE = {
+    "__getattr__",  # of modules: Python
+    "BundleHook", "initialize", "build_data",  # hatchling
+    "doctype", "pubid", "system",  # the XML parser
+    "_initialize_medoids",  # scikit-learn-extra
+    "automatic_value",  # the browser, which spells it in its own way
+    "look_from_above", "look_from_inside",  # scripts, as buttons are for hands
+}  # fmt: skip
+
+
+def test_no_code_is_dead():
+    """What the package defines is named a second time in it, or by its JavaScript, a test or a notebook."""
+    found = Vulture(ignore_decorators=["@traitlets.*", "@atexit.register"])
+    found.scavenge([ROOT / "scenewidget"])
+    others = [*ROOT.glob("scenewidget/js/src/**/*.js"), *ROOT.glob("notebooks/*.ipynb"), ROOT / "README.md"]
+    others += ROOT.glob("tests/**/*.py")
+    named = set(re.findall(r"\w+", "\n".join(path.read_text() for path in others)))
+    dead = [item for item in found.get_unused_code() if item.name not in named | CALLED_FROM_OUTSIDE]
+    assert [f"{item.filename}:{item.first_lineno} {item.name}" for item in dead] == []
 
 
 def test_importing_is_light():

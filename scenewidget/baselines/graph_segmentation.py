@@ -18,6 +18,7 @@ import numpy as np
 
 from scenewidget.engine.felzenszwalb import felzenszwalb as join_light_edges
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, face_adjacency, weld
+from scenewidget.engine.moments import mean_normals
 from scenewidget.engine.monitor import Monitor, Progress
 from scenewidget.engine.segmentation import Segmentation
 
@@ -191,13 +192,7 @@ def face_labels(faces: IntArray, labels: IntArray) -> IntArray:
 
 def vertex_normals(mesh: Mesh, faces: IntArray) -> FloatArray:
     """(n_vertices, 3) unit normals, means over the faces by area; zero where there is nothing to average."""
-    corners = faces.ravel()
-    total = np.stack(
-        [np.bincount(corners, np.repeat(v, 3), mesh.n_vertices) for v in mesh.face_vectors.T], axis=1
-    )
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    normals: FloatArray = np.divide(total, length, out=np.zeros_like(total), where=length > 0)
-    return normals
+    return mean_normals(np.repeat(mesh.face_vectors, 3, axis=0), faces.ravel(), mesh.n_vertices)
 
 
 def _vertex_pairs(faces: IntArray) -> IntArray:

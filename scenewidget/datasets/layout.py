@@ -328,12 +328,6 @@ def _meet(low: FloatArray, high: FloatArray, other_low: FloatArray, other_high: 
     return bool((low < other_high + _MARGIN).all() and (other_low < high + _MARGIN).all())
 
 
-def _gap(point: tuple[float, float], room: Box) -> float:
-    """Distance in plan from a point to a box."""
-    outside = np.maximum(np.maximum(room[0][:2] - point, np.array(point) - room[1][:2]), 0)
-    return float(np.hypot(*outside))
-
-
 def _to_room(pose: Pose, local: FloatArray) -> tuple[float, float]:
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     x, y = pose[1][0] + cos * local[0] - sin * local[1], pose[1][1] + sin * local[0] + cos * local[1]

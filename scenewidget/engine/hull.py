@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from scenewidget.engine.atoms import renumbered
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
+from scenewidget.engine.moments import mean_normals
 
 __all__ = ["Planes", "join_planes", "segment_planes"]
 
@@ -86,10 +87,7 @@ def segment_planes(
     moments = items.moments.gather(labels, n)
     values, vectors = moments.principal()
     roughness = np.sqrt(values[:, 0] / np.where(moments.area > 0, moments.area, 1.0))
-    sums = [np.bincount(labels[keep], (items.areas * c)[keep], n) for c in items.normals.T]
-    mean = np.stack(sums, axis=1).astype(np.float64)
-    length = np.linalg.norm(mean, axis=1, keepdims=True)
-    mean = np.divide(mean, length, out=np.zeros_like(mean), where=length > 0)
+    mean = mean_normals(items.areas[:, None] * items.normals, labels, n)
     normals = vectors[:, :, 0]
     normals = normals * np.where(np.einsum("ij,ij->i", normals, mean) < 0, -1.0, 1.0)[:, None]
     centroids, positions = moments.centroid, items.moments.centroid

@@ -29,7 +29,7 @@ from scenewidget.engine.mesh import (
     connected_components,
     face_adjacency,
 )
-from scenewidget.engine.moments import Moments, face_moments, moment_origin
+from scenewidget.engine.moments import Moments, face_moments, mean_normals, moment_origin
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.preprocess import filter_normals, simplify
 
@@ -321,10 +321,7 @@ def patch_items(
     normals = mesh.face_normals if normals is None else normals
     n = int(item_of_face.max()) + 1
     moments = face_moments(mesh).gather(item_of_face, n)
-    keep = item_of_face >= 0
-    vectors = np.stack([np.bincount(item_of_face[keep], v[keep], n) for v in mesh.face_vectors.T], axis=1)
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    item_normals = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
+    item_normals = mean_normals(mesh.face_vectors, item_of_face, n)
     ends = item_of_face[face_pairs]
     is_seam = (ends >= 0).all(axis=1) & (ends[:, 0] != ends[:, 1])
     ends, faces = np.sort(ends[is_seam], axis=1).astype(np.int64), face_pairs[is_seam]

@@ -14,7 +14,7 @@ from scipy import sparse
 
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["Moments", "face_moments"]
+__all__ = ["Moments", "face_moments", "mean_normals", "moment_origin"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +92,25 @@ def face_moments(mesh: Mesh) -> Moments:
     area = mesh.face_areas
     second = np.einsum("fki,fkj->fij", corners, corners) + 9.0 * center[:, :, None] * center[:, None, :]
     return Moments(area, area[:, None] * center, (area / 12.0)[:, None, None] * second)
+
+
+def mean_normals(vectors: FloatArray, group: IntArray, n_groups: int) -> FloatArray:
+    """(n_groups, 3) float64 unit direction of the sum of each group's vectors; zero where they cancel.
+
+    Of ``mesh.face_vectors``, or of normals times areas, it is the mean normal by area.
+
+    Parameters
+    ----------
+    vectors : (n, 3) float
+    group : (n,) int
+        Of each vector; −1 leaves it out.
+    n_groups : int
+    """
+    keep = group >= 0
+    sums = np.stack([np.bincount(group[keep], v[keep], n_groups) for v in vectors.T], axis=1)
+    sums = sums.astype(np.float64)  # without any vector, numpy counts in whole numbers
+    length = np.linalg.norm(sums, axis=1, keepdims=True)
+    return np.asarray(np.divide(sums, length, out=np.zeros_like(sums), where=length > 0))
 
 
 def moment_origin(mesh: Mesh) -> FloatArray:

@@ -15,7 +15,7 @@ import numpy as np
 from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
-from scenewidget.engine.moments import face_moments, moment_origin
+from scenewidget.engine.moments import face_moments, mean_normals, moment_origin
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -184,11 +184,7 @@ class Segmentation:
         moments = face_moments(mesh).gather(labels, n)
         keep = labels >= 0
         inside = labels[keep]
-        normal = np.stack([np.bincount(inside, v[keep], n) for v in mesh.face_vectors.T], axis=1).astype(
-            float
-        )
-        length = np.linalg.norm(normal, axis=1, keepdims=True)
-        normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
+        normal = mean_normals(mesh.face_vectors, labels, n)
         centroid = moments.centroid + moment_origin(mesh)
         weighted = np.bincount(inside, (mesh.face_areas * self.confidence)[keep], n)
         confidence = np.divide(weighted, moments.area, out=np.zeros(n), where=moments.area > 0)

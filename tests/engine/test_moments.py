@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from strategies import messy_meshes
 
 from scenewidget.engine.mesh import Mesh
-from scenewidget.engine.moments import face_moments, moment_origin
+from scenewidget.engine.moments import face_moments, mean_normals, moment_origin
 
 
 def whole(mesh):
@@ -79,3 +79,16 @@ def test_pieces_without_area_are_flat_points_at_the_origin():
     assert moments.area.tolist() == [0, 0]
     assert moments.centroid.tolist() == [[0, 0, 0]] * 2
     assert moments.flatness().tolist() == [0, 0]
+
+
+def test_the_mean_normal_is_by_area_and_zero_where_normals_cancel():
+    box = shapes.box(2, size=(1.0, 2.0, 3.0))
+    side = shapes._side(box)
+    unit = mean_normals(box.face_vectors, side, 7)
+    np.testing.assert_allclose(np.abs(unit[:6]).max(axis=1), 1)
+    np.testing.assert_allclose(unit[side], box.face_normals, atol=1e-12)
+    assert unit[6].tolist() == [0, 0, 0]
+    np.testing.assert_allclose(
+        mean_normals(np.array([[0, 0, 3.0], [4.0, 0, 0]]), np.zeros(2, int), 1), [[0.8, 0, 0.6]]
+    )
+    assert mean_normals(box.face_vectors, np.where(side < 6, -1, 0), 1).tolist() == [[0, 0, 0]]

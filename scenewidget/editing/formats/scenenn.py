@@ -25,6 +25,7 @@ from scenewidget.editing.formats.common import (
 )
 from scenewidget.editing.vocabulary import nyu_class
 from scenewidget.engine.mesh import FloatArray, Mesh
+from scenewidget.engine.moments import mean_normals
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.palette import segment_colors
 
@@ -114,14 +115,8 @@ def _attribute(text: str) -> str:
 
 def _vertex_normals(mesh: Mesh) -> npt.NDArray[np.float32]:
     """(n_vertices, 3) area-weighted mean of the faces around each vertex, unit or zero."""
-    corners = mesh.faces.ravel()
-    total: FloatArray = np.stack(
-        [np.bincount(corners, np.repeat(column, 3), mesh.n_vertices) for column in mesh.face_vectors.T],
-        axis=1,
-    )
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    unit = np.divide(total, length, out=np.zeros_like(total), where=length > 0)
-    return np.asarray(unit, dtype=np.float32)
+    normals = mean_normals(np.repeat(mesh.face_vectors, 3, axis=0), mesh.faces.ravel(), mesh.n_vertices)
+    return normals.astype(np.float32)
 
 
 def _boxes(mesh: Mesh, labels: npt.NDArray[np.integer[npt.NBitBase]], n: int) -> FloatArray:
