@@ -1,22 +1,35 @@
 """Files that are there whole or not at all, and locks that tell who is at work.
 
 A file is written beside its destination, flushed to the disk, and renamed over it: whatever happens, the
-destination holds the old file or the new one.
+destination holds the old file or the new one. Symbolic links are followed, so a link stays a link.
 """
 
 from __future__ import annotations
 
 import contextlib
 import errno
+import glob
 import json
 import os
 import secrets
+import shutil
 import socket
+import struct
+import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-__all__ = ["FileLock", "checked_path", "explain", "replacing", "sync_folder"]
+__all__ = [
+    "FileLock",
+    "Handle",
+    "checked_path",
+    "explain",
+    "real",
+    "replacing",
+    "replacing_all",
+    "sync_folder",
+]
 
 
 def checked_path(path: object) -> Path:
@@ -32,6 +45,11 @@ def checked_path(path: object) -> Path:
     return Path(path)
 
 
+def real(path: Path) -> Path:
+    """Where a path leads: absolute, links followed."""
+    return Path(os.path.realpath(path))
+
+
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """A path beside ``path`` to write to; becomes ``path`` when the block ends well.
@@ -41,26 +59,84 @@ def replacing(path: Path) -> Iterator[Path]:
     OSError
         The folder can't be written, the disk is full, …; the message says what stays.
     """
-    leftovers = path.parent.glob(f".{path.name}.*.tmp") if path.parent.is_dir() else ()
-    for old in leftovers:  # of a process that was killed
+    with replacing_all([path]) as (temporary,):
+        yield temporary
+
+
+@contextlib.contextmanager
+def replacing_all(paths: Sequence[Path]) -> Iterator[list[Path]]:
+    """Paths to write to, one beside each of ``paths``; they take their places when the block ends well.
+
+    If one can't take its place, those that have taken theirs give it back: all or none.
+
+    Raises
+    ------
+    OSError
+        A folder can't be written, the disk is full, …; the message says what stays.
+    """
+    places = [real(path) for path in paths]
+    for place in places:
+        _sweep(place)
+    temporaries = [_beside(place) for place in places]
+    current = places[0]
+    try:
+        yield temporaries
+        for temporary in temporaries:
+            _sync(temporary)
+        replaced: list[tuple[Path, Path | None]] = []
+        try:
+            for current, temporary in zip(places, temporaries, strict=True):
+                old = _second_name(current) if len(places) > 1 else None
+                replaced.append((current, old))
+                temporary.replace(current)
+        except OSError:
+            for place, old in replaced[:-1]:
+                place.unlink() if old is None else old.replace(place)
+            raise
+        finally:
+            for _, old in replaced:
+                if old is not None:
+                    old.unlink(missing_ok=True)
+        for folder in {place.parent for place in places}:
+            sync_folder(folder)
+    except OSError as error:
+        raise explain(error, current) from error
+    finally:
+        for temporary in temporaries:
+            with contextlib.suppress(OSError):
+                temporary.unlink(missing_ok=True)
+
+
+def _beside(path: Path) -> Path:
+    return path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
+
+
+def _sweep(path: Path) -> None:
+    """Remove what killed processes have left beside a file."""
+    for old in path.parent.glob(f".{glob.escape(path.name)}.*.tmp") if path.parent.is_dir() else ():
         with contextlib.suppress(OSError):
             if old.stat().st_mtime < time.time() - 3600:
                 old.unlink()
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
+
+
+def _second_name(path: Path) -> Path | None:
+    """Another name for what is at a path, so that it can come back; None if nothing is there."""
+    if not path.exists():
+        return None
+    other = _beside(path)
     try:
-        yield temporary
-        descriptor = os.open(temporary, os.O_RDWR)
-        try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
-        temporary.replace(path)
-        sync_folder(path.parent)
-    except OSError as error:
-        raise explain(error, path) from error
+        other.hardlink_to(path)
+    except OSError:  # a file system without hard links
+        shutil.copy2(path, other)
+    return other
+
+
+def _sync(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDWR)
+    try:
+        os.fsync(descriptor)
     finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
+        os.close(descriptor)
 
 
 def explain(error: OSError, path: Path) -> OSError:
@@ -96,13 +172,14 @@ def sync_folder(folder: Path) -> None:
 
 
 class FileLock:
-    """An advisory lock on a file, held until `release` or the end of the process, however that ends.
+    """An advisory lock on a name, held until `release` or the end of the process, however that ends.
 
     It lies in a file of its own, ``<name>.lock``, because closing any descriptor of a database would
-    drop the locks that SQLite holds on it.
+    drop the locks that SQLite holds on it. Links are followed first: all ways to a name are one.
     """
 
     def __init__(self, path: Path) -> None:
+        path = real(path)
         self.path = path.with_name(path.name + ".lock")
         self._descriptor: int | None = None
 
@@ -112,11 +189,18 @@ class FileLock:
         Raises
         ------
         OSError
-            The folder can't be written.
+            The folder can't be written, or its file system has no locks.
         """
         for _ in range(100):
             descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o644)
-            if not _try_lock(descriptor):
+            try:
+                is_free = _try_lock(descriptor)
+            except OSError:
+                os.close(descriptor)
+                with contextlib.suppress(OSError):
+                    self.path.unlink()
+                raise
+            if not is_free:
                 holder = _describe(descriptor)
                 os.close(descriptor)
                 return holder
@@ -138,10 +222,52 @@ class FileLock:
         if self._descriptor is None:
             return
         with contextlib.suppress(OSError):
-            if os.name == "posix":
-                self.path.unlink(missing_ok=True)
+            if os.name == "posix" and os.path.samestat(os.fstat(self._descriptor), self.path.stat()):
+                self.path.unlink()
         os.close(self._descriptor)
         self._descriptor = None
+
+
+class Handle:
+    """A file that is kept in hand: it stays the same file, whatever happens to its names.
+
+    Parameters
+    ----------
+    path : Path
+        To be closed last of all that this process has open of it: closing any descriptor of a file drops
+        the locks that SQLite holds on it.
+    """
+
+    def __init__(self, path: Path) -> None:
+        # elsewhere than on POSIX an open file could not be replaced
+        self._descriptor: int | None = os.open(path, os.O_RDWR) if os.name == "posix" else None
+
+    def lock(self) -> bool:
+        """Take the lock that all names of the file share; False if somebody has it.
+
+        True where the system has no such lock: names are locked anyway, see `FileLock`.
+        """
+        return self._descriptor is None or _try_lock_all_names(self._descriptor)
+
+    def is_same(self, found: os.stat_result) -> bool:
+        """Whether what was found at some path is this file."""
+        return self._descriptor is None or os.path.samestat(os.fstat(self._descriptor), found)
+
+    @property
+    def has_a_name(self) -> bool:
+        """Whether it still lies in some folder."""
+        return self._descriptor is None or os.fstat(self._descriptor).st_nlink > 0
+
+    def sync(self) -> None:
+        """Bring what was written to the disk."""
+        if self._descriptor is not None:
+            os.fsync(self._descriptor)
+
+    def close(self) -> None:
+        """Let go of it and of its lock."""
+        if self._descriptor is not None:
+            os.close(self._descriptor)
+            self._descriptor = None
 
 
 def _self_description() -> dict[str, object]:
@@ -161,6 +287,17 @@ def _describe(descriptor: int) -> str:
 if os.name == "posix":
     import fcntl
 
+    def _try_lock_all_names(descriptor: int) -> bool:
+        """Lock one byte far behind the end, which no reader or database ever touches."""
+        if sys.platform != "linux":
+            return True
+        wanted = struct.pack("hhqqi4x", fcntl.F_WRLCK, os.SEEK_SET, 1 << 60, 1, 0)
+        try:
+            fcntl.fcntl(descriptor, fcntl.F_OFD_SETLK, wanted)
+        except OSError as error:
+            return error.errno not in (errno.EAGAIN, errno.EACCES)
+        return True
+
     def _try_lock(descriptor: int) -> bool:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -171,6 +308,9 @@ if os.name == "posix":
         return True
 
 else:
+
+    def _try_lock_all_names(descriptor: int) -> bool:
+        return True
 
     def _try_lock(descriptor: int) -> bool:
         import importlib

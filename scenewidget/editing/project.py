@@ -16,7 +16,7 @@ from scenewidget.engine.mesh import BoolArray, Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation
 
-__all__ = ["Action", "Log", "Operation", "Project", "ProjectError", "read_log"]
+__all__ = ["Action", "Log", "Operation", "Project", "ProjectError", "Root", "read_log"]
 
 Action = Literal["open", "edit", "undo", "redo", "segmentation", "vocabulary"]
 
@@ -77,6 +77,25 @@ def read_log(operations: Iterable[Operation]) -> Log:
     return Log(done, undone, cuts, vocabulary)
 
 
+@dataclass(frozen=True)
+class Root:
+    """Which state a project file is in: equal roots, equal contents.
+
+    Attributes
+    ----------
+    n_operations : int
+        Length of the log.
+    log : bytes
+        How the chain of the log's digests ends.
+    content : bytes
+        Digest of everything beside the log.
+    """
+
+    n_operations: int
+    log: bytes
+    content: bytes
+
+
 @dataclass(frozen=True, eq=False)
 class Project:
     """All that a project file holds."""
@@ -94,6 +113,8 @@ class Project:
     source: str  # where the mesh was loaded from, "" if from no file
     operations: tuple[Operation, ...]
     n_lost: int = 0  # operations that a recovery left behind
+    root: Root | None = None  # of the file that it was read from
+    chain: tuple[bytes, ...] = ()  # digests of that file's log, before the first operation and after each
 
     @classmethod
     def of(

@@ -1,11 +1,15 @@
 """The tables of a project file: how a project becomes rows, and how rows are trusted again.
 
-Every row carries a checksum, those of the log are chained. Arrays are compressed; their declared sizes are
-checked against the bytes that are there before memory is taken. Everything else is JSON.
+Every row carries a checksum, those of the log are chained, and one row, the root, binds it all: it says how
+long the log is, how its chain ends, and which facts and arrays lie beside it. Each transaction writes it
+anew, so pages of two states never pass for a third. Arrays are compressed; their declared sizes are checked
+against the bytes that are there before memory is taken. Everything else is JSON.
 """
 
 from __future__ import annotations
 
+import base64
+import contextlib
 import dataclasses
 import hashlib
 import json
@@ -22,7 +26,7 @@ import numpy.typing as npt
 from scenewidget.editing.edits import edit_from_dict, edit_to_dict
 from scenewidget.editing.fingerprint import Fingerprint, fingerprint
 from scenewidget.editing.partition import KnownCut
-from scenewidget.editing.project import Action, Operation, Project, ProjectError, read_log
+from scenewidget.editing.project import Action, Operation, Project, ProjectError, Root, read_log
 from scenewidget.editing.vocabulary import checked_vocabulary
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.params import Params
@@ -30,13 +34,16 @@ from scenewidget.engine.segmentation import LEVELS
 
 __all__ = [
     "APPLICATION_ID",
-    "MIGRATIONS",
+    "DAMAGE",
     "VERSION",
+    "check_tables",
     "insert_operations",
     "load_project",
+    "migrate",
+    "read_root",
     "read_summary",
+    "replace_segmentation",
     "write_project",
-    "write_segmentation",
 ]
 
 APPLICATION_ID = 0x5357504A  # "SWPJ"
@@ -46,10 +53,25 @@ SCHEMA = (
     " data BLOB NOT NULL, digest BLOB NOT NULL)",
     "CREATE TABLE operation (seq INTEGER PRIMARY KEY, time REAL NOT NULL, action TEXT NOT NULL,"
     " body TEXT NOT NULL, extra BLOB, digest BLOB NOT NULL)",
+    "CREATE TABLE root (id INTEGER PRIMARY KEY, n_operations INTEGER NOT NULL, log BLOB NOT NULL,"
+    " content BLOB NOT NULL)",
 )
-MIGRATIONS: tuple[tuple[str, ...], ...] = ()  # statements that lead from schema version k + 1 to k + 2
-VERSION = 1 + len(MIGRATIONS)
+VERSION = 2
+ROOT_SINCE = 2  # the version that brought the root
 LARGEST_RATIO = 1_100  # of zlib is 1032
+MOST_OPERATIONS = 2_000_000  # of a log; a person makes some thousands in a day
+LONG_LIST = 100  # whole numbers that are packed in JSON
+DAMAGE = (  # what reading damaged rows can raise
+    ProjectError,
+    sqlite3.Error,
+    ValueError,
+    TypeError,
+    LookupError,
+    ArithmeticError,
+    RecursionError,
+    MemoryError,
+    zlib.error,
+)
 DTYPES = {"<i4": np.int32, "<f4": np.float32, "<f8": np.float64, "|u1": np.uint8}
 
 
@@ -60,7 +82,7 @@ def write_project(connection: sqlite3.Connection, project: Project) -> None:
     connection.execute("BEGIN")
     for statement in SCHEMA:
         connection.execute(statement)
-    write_segmentation(connection, project)
+    _put_segmentation(connection, project)
     _put_fact(connection, "fingerprint", project.fingerprint.to_dict())
     _put_fact(connection, "source", project.source)
     if project.mesh is not None:
@@ -68,24 +90,117 @@ def write_project(connection: sqlite3.Connection, project: Project) -> None:
         _put_array(connection, "mesh/faces", project.mesh.faces)
         if project.mesh.vertex_colors is not None:
             _put_array(connection, "mesh/vertex_colors", project.mesh.vertex_colors)
+    _put_root(connection, Root(0, b"", _content_of(connection)))
     insert_operations(connection, project.operations)
     connection.execute("COMMIT")
 
 
-def insert_operations(connection: sqlite3.Connection, operations: Iterable[Operation]) -> None:
-    """Add operations at the end of the log, within the caller's transaction."""
-    last = connection.execute("SELECT seq, digest FROM operation ORDER BY seq DESC LIMIT 1").fetchone()
-    first, digest = (0, b"") if last is None else (int(last[0]) + 1, bytes(last[1]))
+def insert_operations(connection: sqlite3.Connection, operations: Iterable[Operation]) -> Root:
+    """Add operations at the end of the log, within the caller's transaction; the root after that."""
+    root = read_root(connection)
+    first, digest = root.n_operations, root.log
     rows = []
     for seq, operation in enumerate(operations, first):
         body, extra = _encode(operation)
         digest = _digest(digest, seq, repr(operation.time), operation.action, body, extra or b"")
         rows.append((seq, operation.time, operation.action, body, extra, digest))
     connection.executemany("INSERT INTO operation VALUES (?, ?, ?, ?, ?, ?)", rows)
+    root = Root(first + len(rows), digest, root.content)
+    _put_root(connection, root)
+    return root
 
 
-def write_segmentation(connection: sqlite3.Connection, project: Project) -> None:
-    """Write the automatic segmentation over the one that is there, within the caller's transaction."""
+def read_root(connection: sqlite3.Connection) -> Root:
+    """The root of a database of the present version."""
+    rows = connection.execute("SELECT id, n_operations, log, content FROM root LIMIT 2").fetchall()
+    if len(rows) != 1 or [type(value) for value in rows[0]] != [int, int, bytes, bytes]:
+        raise ProjectError("it has no root")
+    return Root(*rows[0][1:])
+
+
+def _put_root(connection: sqlite3.Connection, root: Root) -> None:
+    row = (1, root.n_operations, root.log, root.content)
+    connection.execute("INSERT OR REPLACE INTO root VALUES (?, ?, ?, ?)", row)
+
+
+def _content_of(connection: sqlite3.Connection) -> bytes:
+    """What binds facts and arrays together: a digest of their digests."""
+    facts = connection.execute("SELECT key, digest FROM fact").fetchall()
+    arrays = connection.execute("SELECT name, digest FROM array").fetchall()
+    return _content(dict(facts), dict(arrays))
+
+
+def _content(facts: Mapping[str, bytes], arrays: Mapping[str, bytes]) -> bytes:
+    return _digest(
+        b"", *(x for rows in (facts, arrays) for row in (*sorted(rows.items()), ("", b"")) for x in row)
+    )
+
+
+def migrate(connection: sqlite3.Connection, root: Root) -> None:
+    """Bring a database of an older version to the present one, all or nothing.
+
+    Parameters
+    ----------
+    connection : Connection
+        Outside of any transaction.
+    root : Root
+        Of what was read and checked there; if it is no longer so, nothing changes.
+
+    Raises
+    ------
+    ProjectError
+        Somebody has changed the database since.
+    """
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        version = connection.execute("PRAGMA user_version").fetchone()[0]
+        if version < ROOT_SINCE:
+            last = connection.execute(
+                "SELECT seq, digest FROM operation ORDER BY seq DESC LIMIT 1"
+            ).fetchone()
+            n, log = (0, b"") if last is None else (int(last[0]) + 1, bytes(last[1]))
+            if Root(n, log, _content_of(connection)) != root:
+                raise ProjectError("it has changed since it was read")
+            connection.execute(SCHEMA[3])
+            _put_root(connection, root)
+            connection.execute(f"PRAGMA user_version={VERSION}")
+        connection.execute("COMMIT")
+    except BaseException:
+        with contextlib.suppress(sqlite3.Error):
+            connection.execute("ROLLBACK")
+        raise
+
+
+def check_tables(connection: sqlite3.Connection) -> int:
+    """The version of a database that has exactly our tables, word by word: nothing in it is ours to run.
+
+    Raises
+    ------
+    ProjectError
+        No project, of a newer version, or with other tables, views, triggers, …
+    """
+    if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
+        raise ProjectError("it is no project file of scenewidget")
+    version = int(connection.execute("PRAGMA user_version").fetchone()[0])
+    if version > VERSION:
+        raise ProjectError(
+            f"it was written by a newer scenewidget (format {version}, this one reads up to {VERSION}); "
+            "update scenewidget"
+        )
+    if version < 1:
+        raise ProjectError(f"it is damaged: it has the format {version}")
+    wanted: set[tuple[str, str, str | None]]
+    wanted = {("table", sql.split(maxsplit=3)[2], sql) for sql in SCHEMA[: 3 if version < ROOT_SINCE else 4]}
+    wanted.add(("index", "sqlite_autoindex_array_1", None))
+    query = "SELECT type, name, sql FROM sqlite_master LIMIT 20"
+    found = set(connection.execute(query).fetchall())
+    if found != wanted:
+        kind, name, _ = min(found ^ wanted, key=str)
+        raise ProjectError(f"it is damaged or forged: it holds {f'{kind} {name}'!r:.80}")
+    return version
+
+
+def _put_segmentation(connection: sqlite3.Connection, project: Project) -> None:
     connection.execute(
         "DELETE FROM array WHERE name IN ('labels', 'confidence', 'keys') OR name LIKE 'level/%'"
     )
@@ -99,6 +214,13 @@ def write_segmentation(connection: sqlite3.Connection, project: Project) -> None
     _put_fact(connection, "timings", _plain(project.timings))
     _put_fact(connection, "report", _plain(project.report))
     _put_fact(connection, "params", None if project.params is None else dataclasses.asdict(project.params))
+
+
+def replace_segmentation(connection: sqlite3.Connection, project: Project) -> None:
+    """Put another automatic segmentation into a project, within the caller's transaction."""
+    _put_segmentation(connection, project)
+    root = read_root(connection)
+    _put_root(connection, Root(root.n_operations, root.log, _content_of(connection)))
 
 
 def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -135,7 +257,7 @@ def _digest(before: bytes, *values: Any) -> bytes:
 def _encode(operation: Operation) -> tuple[str, bytes | None]:
     body: Any = None
     if operation.edit is not None:
-        body = edit_to_dict(operation.edit)
+        body = {key: _packed(value) for key, value in edit_to_dict(operation.edit).items()}
     elif operation.action == "vocabulary":
         body = list(operation.names)
     extra = None
@@ -146,11 +268,29 @@ def _encode(operation: Operation) -> tuple[str, bytes | None]:
     return json.dumps(body, separators=(",", ":")), extra
 
 
+def _packed(value: Any) -> Any:
+    """A long list of faces as compressed differences: a brush stroke has a hundred thousand of them."""
+    if not isinstance(value, list) or len(value) < LONG_LIST:
+        return value
+    steps = np.diff(np.array(value, np.int64), prepend=0).astype("<i4")
+    return {"n": len(value), "packed": base64.b64encode(zlib.compress(steps.tobytes(), 1)).decode("ascii")}
+
+
+def _unpacked(data: dict[str, Any]) -> Any:
+    """What `_packed` has packed; every other object of JSON as it is."""
+    if data.keys() != {"n", "packed"}:
+        return data
+    if type(data["n"]) is not int or not 0 <= data["n"] < 2**31:
+        raise ProjectError("a list of faces has no length")
+    steps = np.frombuffer(_inflate(base64.b64decode(data["packed"]), 4 * data["n"]), "<i4")
+    return np.cumsum(steps, dtype=np.int64).tolist()
+
+
 def _decode(row: tuple[Any, ...]) -> Operation:
     _, when, action, body, extra, _ = row
     if action not in get_args(Action) or not isinstance(when, float) or not math.isfinite(when):
         raise ProjectError(f"the log holds an unknown operation {action!r:.60}")
-    data = json.loads(body)
+    data = json.loads(body, object_hook=_unpacked)
     if action == "vocabulary":
         return Operation(when, action, names=checked_vocabulary(data))
     if action != "edit":
@@ -174,43 +314,32 @@ def _inflate(data: bytes, n_bytes: int) -> bytes:
     return out
 
 
-def load_project(connection: sqlite3.Connection, name: str, *, recover: bool) -> Project:
-    """Everything in a database; ``name`` is that of its file, for messages.
+def load_project(connection: sqlite3.Connection, version: int, *, recover: bool) -> Project:
+    """Everything in a database whose tables are as they should be.
 
     Raises
     ------
     ProjectError, sqlite3.Error, ValueError, TypeError, KeyError, …
         Something is damaged. With ``recover`` the log may be: what comes before the damage counts.
     """
-    facts = {}
-    for key, value, digest in connection.execute("SELECT key, value, digest FROM fact"):
-        if digest != _digest(b"", key, value):
-            raise ProjectError(f"its entry {key!r:.60} was changed")
-        facts[key] = json.loads(value)
+    facts, fact_digests = _load_facts(connection)
     found = Fingerprint.from_dict(facts["fingerprint"])
-    arrays = {}
-    columns = ("labels", "confidence", *(f"level/{level}" for level in LEVELS))
+    rows, array_digests = {}, {}
     for row in connection.execute("SELECT name, dtype, shape, data, digest FROM array"):
-        array_name, dtype, shape_text, data, digest = row
-        if digest != _digest(b"", *row[:4]):
-            raise ProjectError(f"its array {array_name!r:.60} was changed")
-        shape = json.loads(shape_text)
-        expected = [found.n_faces] if array_name in columns else [None, None if array_name == "keys" else 3]
-        if dtype not in DTYPES or len(shape) != len(expected):
-            raise ProjectError(f"its array {array_name!r:.60} has an unknown form")
-        for size, wanted in zip(shape, expected, strict=True):
-            if type(size) is not int or not 0 <= size < 2**31 or (wanted is not None and size != wanted):
-                raise ProjectError(f"its array {array_name!r:.60} has the shape {shape!r:.60}")
-        n_bytes = math.prod(shape) * np.dtype(dtype).itemsize
-        arrays[array_name] = (
-            np.frombuffer(_inflate(data, n_bytes), dtype).reshape(shape).astype(DTYPES[dtype])
-        )
+        if row[4] != _digest(b"", *row[:4]):
+            raise ProjectError(f"its array {row[0]!r:.60} was changed")
+        rows[row[0]], array_digests[row[0]] = row[1:4], row[4]
+    operations, chain, total = _load_operations(connection, recover=recover)
+    root = Root(len(operations), chain[-1], _content(fact_digests, array_digests))
+    n_lost = total - len(operations)
+    if version >= ROOT_SINCE:
+        n_lost += _missing(read_root(connection), root, recover=recover)
+    arrays = {name: _array(name, row, found) for name, row in rows.items()}
     mesh = None
     if "mesh/faces" in arrays:
         mesh = Mesh(arrays["mesh/vertices"], arrays["mesh/faces"], arrays.get("mesh/vertex_colors"))
         if fingerprint(mesh) != found:
             raise ProjectError("its mesh is not the one of its fingerprint")
-    operations, n_lost = _load_operations(connection, name, recover=recover)
     return Project(
         fingerprint=found,
         labels=arrays["labels"],
@@ -220,53 +349,92 @@ def load_project(connection: sqlite3.Connection, name: str, *, recover: bool) ->
         keys=arrays.get("keys"),
         timings=dict(facts["timings"]),
         report=dict(facts["report"]),
-        params=_load_params(facts["params"], name),
+        params=_load_params(facts["params"]),
         mesh=mesh,
         source=str(facts["source"]),
         operations=tuple(operations),
         n_lost=n_lost,
+        root=root,
+        chain=tuple(chain),
     )
 
 
-def read_summary(connection: sqlite3.Connection) -> tuple[Fingerprint, int, float]:
+def _load_facts(connection: sqlite3.Connection) -> tuple[dict[str, Any], dict[str, bytes]]:
+    facts, digests = {}, {}
+    for key, value, digest in connection.execute("SELECT key, value, digest FROM fact"):
+        if digest != _digest(b"", key, value):
+            raise ProjectError(f"its entry {key!r:.60} was changed")
+        facts[key], digests[key] = json.loads(value), digest
+    return facts, digests
+
+
+def _array(name: str, row: tuple[Any, ...], mesh: Fingerprint) -> npt.NDArray[Any]:
+    """An array of a row; what is declared is checked before memory is taken."""
+    dtype, shape_text, data = row
+    expected: list[int | None] = [mesh.n_faces]
+    if name == "keys":
+        expected = [None, None]
+    elif name.startswith("mesh/"):
+        expected = [mesh.n_faces if name == "mesh/faces" else mesh.n_vertices, 3]
+    shape = json.loads(shape_text)
+    if dtype not in DTYPES or not isinstance(shape, list) or len(shape) != len(expected):
+        raise ProjectError(f"its array {name!r:.60} has an unknown form")
+    for size, wanted in zip(shape, expected, strict=True):
+        if type(size) is not int or not 0 <= size < 2**31 or (wanted is not None and size != wanted):
+            raise ProjectError(f"its array {name!r:.60} has the shape {shape!r:.60}")
+    n_bytes = math.prod(shape) * np.dtype(dtype).itemsize
+    return np.frombuffer(_inflate(data, n_bytes), dtype).reshape(shape).astype(DTYPES[dtype])
+
+
+def _missing(said: Root, found: Root, *, recover: bool) -> int:
+    """Operations that the root knows of and the log doesn't; 0 if both agree."""
+    if said.content != found.content:
+        raise ProjectError("it is damaged: its segmentation and its facts are of different states")
+    if said == found:
+        return 0
+    if not recover:
+        raise ProjectError(
+            f"it is damaged: its log has {found.n_operations} operations where {said.n_operations} others "
+            "belong. Session.open(…, recover=True) keeps those that are there"
+        )
+    return max(1, said.n_operations - found.n_operations)
+
+
+def read_summary(connection: sqlite3.Connection, version: int) -> tuple[Fingerprint, int, float]:
     """The mesh's fingerprint, how many edits are done, and when the last one was made, undone or redone."""
-    row = connection.execute("SELECT value, digest FROM fact WHERE key = 'fingerprint'").fetchone()
-    if row is None or row[1] != _digest(b"", "fingerprint", row[0]):
-        raise ProjectError("its entry 'fingerprint' was changed")
-    n_steps, last_time = connection.execute(
-        "SELECT SUM(CASE action WHEN 'undo' THEN -1 ELSE 1 END), MAX(time) FROM operation"
-        " WHERE action IN ('edit', 'undo', 'redo')"
-    ).fetchone()
-    return Fingerprint.from_dict(json.loads(row[0])), int(n_steps or 0), float(last_time or 0.0)
+    facts, _ = _load_facts(connection)
+    operations, chain, _ = _load_operations(connection, recover=False)
+    if version >= ROOT_SINCE:
+        root = read_root(connection)
+        if (root.n_operations, root.log) != (len(operations), chain[-1]):
+            raise ProjectError("it is damaged: its log is not whole")
+    steps = [operation for operation in operations if operation.action in ("edit", "undo", "redo")]
+    n_done = sum(-1 if operation.action == "undo" else 1 for operation in steps)
+    last_time = max((operation.time for operation in steps), default=0.0)
+    return Fingerprint.from_dict(facts["fingerprint"]), n_done, last_time
 
 
 def _load_operations(
-    connection: sqlite3.Connection, name: str, *, recover: bool
-) -> tuple[list[Operation], int]:
+    connection: sqlite3.Connection, *, recover: bool
+) -> tuple[list[Operation], list[bytes], int]:
+    """The operations, the chain of digests (before the first and after each), and how many rows there are."""
     operations: list[Operation] = []
-    total = connection.execute("SELECT COUNT(*) FROM operation").fetchone()[0]
-    before = b""
+    chain = [b""]
+    total = int(connection.execute("SELECT COUNT(*) FROM operation").fetchone()[0])
+    if total > MOST_OPERATIONS:
+        raise ProjectError(f"its log has {total} operations; {MOST_OPERATIONS} are the most")
     try:
         for seq, row in enumerate(connection.execute("SELECT * FROM operation ORDER BY seq")):
-            digest = _digest(before, row[0], repr(row[1]), row[2], row[3], row[4] or b"")
+            digest = _digest(chain[-1], row[0], repr(row[1]), row[2], row[3], row[4] or b"")
             if row[0] != seq or row[5] != digest:
                 raise ProjectError(f"entry {seq} of its log was changed")
             operations.append(_decode(row))
-            read_log(operations[-1:]) if operations[-1].action == "edit" else None
-            before = digest
+            chain.append(digest)
         read_log(operations)
-    except (
-        ProjectError,
-        sqlite3.Error,
-        ValueError,
-        TypeError,
-        OverflowError,
-        RecursionError,
-        zlib.error,
-    ) as error:
+    except DAMAGE as error:
         if not recover:
             raise ProjectError(
-                f"{name!r} is damaged: {error}. Session.open(…, recover=True) keeps the "
+                f"it is damaged: {error}. Session.open(…, recover=True) keeps the "
                 f"{len(operations)} of {total} operations before it"
             ) from error
         while True:  # an undo too many ends the log as well
@@ -275,16 +443,16 @@ def _load_operations(
                 break
             except ProjectError:
                 operations.pop()
-    return operations, total - len(operations)
+    return operations, chain[: len(operations) + 1], total
 
 
-def _load_params(data: Any, name: str) -> Params | None:
+def _load_params(data: Any) -> Params | None:
     if data is None:
         return None
     try:
         return Params(**data)
     except (TypeError, ValueError) as error:
         warnings.warn(
-            f"the parameters in {name!r} are of another version and left out ({error})", stacklevel=6
+            f"the parameters in the project are of another version and left out ({error})", stacklevel=6
         )
         return None

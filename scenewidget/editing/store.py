@@ -1,7 +1,11 @@
 """The project file, ``.swproj``: an SQLite database that is right after whatever happens.
 
-It is in WAL mode: each operation is a transaction that is on the disk before `ProjectFile.append` returns.
-Nothing is ever deleted from the log; undo and redo are entries of it. One process writes at a time.
+Each operation is a transaction that is on the disk before `ProjectFile.append` returns. Nothing is ever
+deleted from the log; undo and redo are entries of it. One process writes at a time.
+
+A commit goes to the log beside the file, ``-wal``, and is flushed there; then its pages are copied into the
+file itself, without waiting for the disk. So the file alone has every edit as soon as it is acknowledged,
+under whatever name somebody gives it and even if we are killed; and after a power loss, the log has it.
 """
 
 from __future__ import annotations
@@ -13,74 +17,36 @@ import os
 import sqlite3
 import threading
 import weakref
-import zlib
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
-from scenewidget.editing.files import FileLock, explain, replacing
-from scenewidget.editing.fingerprint import Fingerprint
-from scenewidget.editing.project import Operation, Project, ProjectError
+from scenewidget.editing.files import FileLock, Handle, explain, real, replacing
+from scenewidget.editing.project import Operation, Project, ProjectError, Root
+from scenewidget.editing.project_reader import blame, guard, is_project, live_files, read_alone
 from scenewidget.editing.schema import (
-    APPLICATION_ID,
-    MIGRATIONS,
-    VERSION,
     insert_operations,
-    load_project,
-    read_summary,
+    migrate,
+    read_root,
+    replace_segmentation,
     write_project,
-    write_segmentation,
 )
 
-__all__ = ["ProjectFile", "Summary", "summary_of"]
+__all__ = ["FileChangedError", "ProjectFile"]
 
-TABLES = {"table fact", "table array", "table operation", "index sqlite_autoindex_array_1"}
-_open_files: weakref.WeakValueDictionary[str, ProjectFile] = weakref.WeakValueDictionary()
-_registry_lock = threading.Lock()
+MOST_IN_LOG = 400  # pages, before the log begins anew
 _of_parents: list[sqlite3.Connection] = []  # connections that a fork carried over, never to be touched
 
 
-@dataclass(frozen=True)
-class Summary:
-    """What a project file is about, without opening it."""
-
-    path: Path
-    fingerprint: Fingerprint
-    n_steps: int  # edits that are done
-    last_time: float  # of the last edit, undo or redo, seconds since 1970 (UTC)
-
-
-def summary_of(path: Path) -> Summary:
-    """What is in a project file; takes no lock, writes nothing, reads a few rows.
-
-    Raises
-    ------
-    OSError, ProjectError
-        Not there, no project, damaged, or of a newer version.
-    """
-    path = path.absolute()
-    has_log = path.with_name(path.name + "-wal").exists()
-    with _reading(path):
-        uri = f"{path.as_uri()}?mode=ro" + ("" if has_log else "&immutable=1")
-        connection = sqlite3.connect(uri, uri=True, isolation_level=None, timeout=1)
-        try:
-            connection.execute("PRAGMA trusted_schema=OFF")
-            connection.set_authorizer(_allow)
-            if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
-                raise ProjectError(f"{path.name!r} is no project file of scenewidget")
-            if not 1 <= connection.execute("PRAGMA user_version").fetchone()[0] <= VERSION:
-                raise ProjectError(f"{path.name!r} was written by a newer scenewidget, or is damaged")
-            found, n_steps, last_time = read_summary(connection)
-        finally:
-            connection.close()
-    return Summary(path, found, n_steps, last_time)
+class FileChangedError(OSError):
+    """What lies at the path is no longer the file that we wrote there."""
 
 
 class ProjectFile:
-    """An open project file.
+    """A project file that a session has taken, for writing if nobody else does.
 
-    While it is open for writing, a lock beside it keeps other processes from writing. Within one process
-    the newest one has the file, and the one before is closed (a notebook cell that is run again).
+    While it is taken for writing, a lock beside it and one on the file itself keep other processes from
+    writing, whatever name they use. Within one process the newest one has the file, and the one before is
+    closed (a notebook cell that is run again).
 
     Attributes
     ----------
@@ -88,19 +54,24 @@ class ProjectFile:
     read_only : bool
     read_only_reason : str
         "" if it can be written.
+    root : Root
+        Which state is in the file.
     on_takeover : weak reference to a method
         Called when another one of this process takes the file over.
     """
 
-    def __init__(
-        self, path: Path, connection: sqlite3.Connection, lock: FileLock | None, read_only_reason: str
-    ) -> None:
+    def __init__(self, path: Path, root: Root, read_only_reason: str = "") -> None:
         self.path = path
+        self.root = root
         self.read_only_reason = read_only_reason
         self.on_takeover: weakref.WeakMethod[Callable[[], None]] | None = None
+        self._place = real(path)
         self._process = os.getpid()
-        self._connection: sqlite3.Connection | None = connection
-        self._lock = lock
+        self._lock: FileLock | None = None
+        self._handle: Handle | None = None
+        self._connection: sqlite3.Connection | None = None
+        self._copier: sqlite3.Connection | None = None
+        self._marks: tuple[int, ...] = ()  # of the file as we left it
         self._guard = threading.RLock()
 
     @property
@@ -110,151 +81,266 @@ class ProjectFile:
 
     def is_at(self, path: Path) -> bool:
         """Whether this is the file of that path."""
-        return _key(self.path) == _key(path)
+        return self._place == real(path)
 
-    # --- opening and closing ----------------------------------------------------------------------
+    # --- taking and letting go --------------------------------------------------------------------
+
+    @classmethod
+    def take(cls, path: Path, project: Project) -> ProjectFile:
+        """Take the file that a project was read from; read-only if somebody else has it.
+
+        Everything about the project has been checked before: nothing is taken from anybody for a file that
+        is then refused.
+
+        Raises
+        ------
+        FileChangedError
+            It isn't in that state any more; read it again.
+        ProjectError, OSError
+            It can't be opened; whoever had it has it still.
+        """
+        path = path.absolute()
+        assert project.root is not None  # of a project that was read
+        file = cls(path, project.root)
+        other = _owner(live_files.at(file._place))
+        if other is None:
+            file.read_only_reason = file._take_locks()
+            if not file.read_only:
+                try:
+                    file._drop_stale_log()
+                    file._connect(check=True)
+                except BaseException:
+                    file.close()
+                    raise
+            return file
+        with other._guard:
+            if other._place != file._place:  # another name of it: a database must be open under one only
+                file._lock = FileLock(path)
+                if holder := _try_to_lock(file._lock):
+                    file._lock, file.read_only_reason = None, holder
+                    return file
+                other._disconnect()
+            try:
+                file._connect(check=True)
+            except BaseException:
+                file.close()
+                if other._connection is None:
+                    other._connect(check=False)
+                raise
+            other._surrender(file)
+        return file
 
     @classmethod
     def write(
         cls, path: Path, project: Project, *, replaces: ProjectFile | None = None, overwrite: bool = True
     ) -> ProjectFile:
-        """Write a new file, put it in the place of the old one, and open it.
+        """Write a new file, put it in the place of the old one, and take it.
+
+        Nothing happens to the old file, nor to the session that has it, before the new one is complete.
 
         Raises
         ------
         FileExistsError
-            Not to ``overwrite`` it, and there is one, or somebody is just making it.
+            Not to ``overwrite`` it, and there is one, or somebody is just making it; or it is no project.
         OSError
             It can't be written, or another process works on the old one, which is untouched then.
         """
         path = path.absolute()
-        if path.is_dir():
+        place = real(path)
+        if place.is_dir():
             raise explain(IsADirectoryError(errno.EISDIR, ""), path)
-        lock = replaces._lock if replaces is not None and replaces.is_at(path) else None
-        if lock is None:
-            other = _open_files.get(_key(path))
-            lock = FileLock(path)
-            if other is not None and overwrite:
-                other._surrender()
+        if not overwrite and place.exists():
+            raise FileExistsError(errno.EEXIST, f"{str(path)!r} is there already")
+        owner = replaces if replaces is not None and replaces._lock and replaces.is_at(path) else None
+        owner = owner or next(
+            (f for f in map(_owner, live_files) if f is not None and f._place == place), None
+        )
+        file = cls(path, Root(0, b"", b""))
+        if owner is None:
+            file._lock = _locked(path, overwrite=overwrite)
+        with owner._guard if owner is not None else contextlib.nullcontext():
             try:
-                holder = lock.acquire()
-            except OSError as error:
-                raise explain(error, path) from error
-            if not overwrite and (holder or path.exists()):  # whoever has the lock alone may make the file
-                lock.release()
-                raise FileExistsError(errno.EEXIST, f"{str(path)!r} is there already")
-            if holder:
-                raise PermissionError(
-                    errno.EACCES, f"can't write {str(path)!r}: {holder} works on it; choose another name"
-                )
-        try:
-            with replacing(path) as temporary:
-                _create(temporary, project)
-                if replaces is not None and replaces._lock is lock:
-                    replaces._disconnect()
-                _settle(path)
-            if replaces is not None and replaces._lock is lock:
-                replaces._lock = None
-            return cls._connect(path, lock, "", checked=True)
-        except BaseException:
-            if replaces is None or replaces._lock is not lock:
-                lock.release()
-            elif replaces._connection is None:  # renaming failed: go on with the old file
-                replaces._connection = _connect(path, "rw")
-                _make_durable(replaces._connection)
-            raise
-
-    @classmethod
-    def open(cls, path: Path) -> ProjectFile:
-        """Open a file, for writing if nobody else does.
-
-        Raises
-        ------
-        FileNotFoundError
-        ProjectError
-            Not a project, damaged, or of a newer version.
-        """
-        path = path.absolute()
-        if not path.exists():
-            raise FileNotFoundError(errno.ENOENT, f"project file {str(path)!r} does not exist")
-        if not path.is_file():
-            raise ProjectError(f"{path.name!r} is no file")
-        other = _open_files.get(_key(path))
-        if other is not None:
-            other._surrender()
-        lock, reason = FileLock(path), ""
-        try:
-            if not os.access(path, os.W_OK):
-                reason = "you have no permission to write it"
-            elif holder := lock.acquire():
-                reason = f"{holder} works on it"
-        except OSError:
-            reason = "its folder can't be written"
-        try:
-            return cls._connect(path, None if reason else lock, reason)
-        except BaseException:
-            lock.release()
-            raise
-
-    @classmethod
-    def _connect(
-        cls, path: Path, lock: FileLock | None, reason: str, *, checked: bool = False
-    ) -> ProjectFile:
-        connection = _connect(path, "ro" if reason else "rw")
-        try:
-            with _reading(path):
-                if not checked:
-                    connection = _check(connection, path, read_only=bool(reason))
-                if not reason:
-                    _make_durable(connection)
-                file = cls(path, connection, lock, reason)
-        except BaseException:
-            connection.close()
-            raise
-        if lock is not None:
-            with _registry_lock:
-                _open_files[_key(path)] = file
+                if place.exists() and not is_project(place):
+                    raise FileExistsError(
+                        errno.EEXIST,
+                        f"{str(path)!r} is there already and is no project file, so it is not replaced; "
+                        "choose another name, or remove it first",
+                    )
+                with replacing(path) as temporary:
+                    _create(temporary, project)
+                    file._handle = Handle(temporary)
+                    file._handle.lock()
+                    if owner is not None:
+                        owner._disconnect()
+                    _settle(place)
+                file._connect(check=False)
+            except BaseException:
+                file.close()
+                if owner is not None and owner._connection is None:
+                    with contextlib.suppress(OSError, ProjectError):  # go on with the old file
+                        owner._connect(check=True)
+                raise
+            if owner is not None:
+                owner._surrender(file, is_told=owner is not replaces)
         return file
 
+    def _take_locks(self) -> str:
+        """Take both locks; who has them, or why they can't be taken, "" if that worked."""
+        if not os.access(self._place, os.W_OK):
+            return "you have no permission to write it"
+        lock = FileLock(self.path)
+        if reason := _try_to_lock(lock):
+            return reason
+        self._lock, self._handle = lock, Handle(self._place)
+        if self._handle.lock():
+            return ""
+        self.close()
+        return "another kernel or script works on it under another name"
+
+    def _drop_stale_log(self) -> None:
+        """Remove a log from beside the file if the file has all that is wanted of both."""
+        if _beside(self._place, "-wal").exists() and read_alone(self.path) == self.root:
+            if self._handle is not None:
+                self._handle.sync()
+            _remove_log(self._place)
+
+    def _connect(self, *, check: bool) -> None:
+        """Open the database; with ``check`` it may have been changed, or be of an older version."""
+        connection = copier = None
+        try:
+            with blame(self.path):
+                connection = _open(self._place)
+                if check:
+                    guard(connection, self._place.stat().st_size)
+                    connection.set_progress_handler(None, 0)
+                    connection.execute("PRAGMA journal_mode=WAL")
+                    migrate(connection, self.root)
+                found = read_root(connection)
+                if check and found != self.root:
+                    raise FileChangedError(errno.ESTALE, f"{self.path.name!r} has changed since it was read")
+                connection.execute("PRAGMA synchronous=FULL")  # a commit is on the disk
+                copier = _open(self._place)
+                copier.execute("PRAGMA synchronous=OFF")  # a copy may still be on its way there
+                self._connection, self._copier, self.root = connection, copier, found
+                self._copy()
+        except BaseException:
+            self._connection = self._copier = None
+            for opened in (copier, connection):
+                if opened is not None:
+                    opened.close()
+            raise
+        live_files.add(self._place, self)
+
     def checkpoint(self) -> None:
-        """Bring everything into the one file, so that it can be copied."""
+        """Bring everything into the one file and onto the disk, so that nothing is beside it."""
         with self._guard, self._writing() as connection:
-            connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            self._begin_log_anew(connection)
 
     def close(self) -> None:
-        """Close the file and give the lock back."""
+        """Close the file and give the locks back."""
         with self._guard:
             self._disconnect()
+            live_files.remove(self)
+            if self._handle is not None:
+                self._handle.close()
+                self._handle = None
             if self._lock is not None:
                 self._lock.release()
                 self._lock = None
-        with _registry_lock:
-            if _open_files.get(_key(self.path)) is self:
-                del _open_files[_key(self.path)]
 
     def __del__(self) -> None:
         with contextlib.suppress(Exception):
             self.close()
 
-    def _surrender(self) -> None:
-        self.close()
-        self.read_only_reason = "a newer session has taken it over"
-        callback = None if self.on_takeover is None else self.on_takeover()
+    def _surrender(self, to: ProjectFile, *, is_told: bool = True) -> None:
+        """Let another one have the file, with the locks that it lacks."""
+        with self._guard:
+            self._disconnect()
+            if to._lock is None:
+                to._lock, self._lock = self._lock, None
+            if to._handle is None:
+                to._handle, self._handle = self._handle, None
+            self.close()
+            self.read_only_reason = "a newer session has taken it over"
+        live_files.add(to._place, to)
+        callback = None if self.on_takeover is None or not is_told else self.on_takeover()
         if callback is not None:
             callback()
 
     def _disconnect(self) -> None:
-        if self._connection is None:
+        """Close the database and leave a whole file without a log."""
+        connection, copier, self._connection, self._copier = self._connection, self._copier, None, None
+        if connection is None or copier is None:
             return
         if os.getpid() != self._process:  # closing it here would pull the file from under the parent
-            _of_parents.append(self._connection)
-            self._lock = None
-        else:
+            _of_parents.extend([connection, copier])
+            self._lock = self._handle = None
+            return
+        if self._handle is not None:
+            with contextlib.suppress(OSError):
+                self._handle.sync()
+        for opened in (copier, connection):
             with contextlib.suppress(sqlite3.Error):
-                self._connection.close()
-        self._connection = None
+                opened.close()
+        if (
+            self._lock is not None and not self._is_there()
+        ):  # SQLite leaves the log beside whatever is there now
+            _remove_log(self._place)
+
+    # --- what lies at the path --------------------------------------------------------------------
+
+    def trouble(self) -> str:
+        """Why the path doesn't hold the file that we wrote there, and the way out; "" if it does.
+
+        Costs some microseconds, unless somebody has touched the file: then it is read.
+        """
+        if self.read_only or os.getpid() != self._process:
+            return ""
+        with self._guard:
+            name = repr(self.path.name)
+            try:
+                found = self.path.stat()
+                is_ours = self._handle is None or self._handle.is_same(found)
+            except OSError:
+                if not self._place.parent.is_dir():
+                    return f"the folder of {name} is gone; save your work elsewhere: save('other.swproj')"
+                if self._handle is None or self._handle.has_a_name:
+                    return f"{name} was renamed or moved away; save() writes a new one in its place"
+                return f"{name} was deleted; save() writes it anew"
+            if not is_ours:
+                reason = f"another file has taken the place of {name}"
+            elif self._is_as_left(found):
+                return ""
+            else:
+                reason = f"somebody else has written into {name}"
+            return f"{reason}; save your work under another name, or save({name}) to replace what is there"
+
+    def _is_as_left(self, found: os.stat_result) -> bool:
+        marks = (found.st_size, found.st_mtime_ns)
+        if self._marks in ((), marks):
+            return True
+        try:
+            is_same = read_alone(self.path) == self.root
+        except (OSError, ProjectError):
+            is_same = False
+        if is_same:
+            self._marks = marks
+        return is_same
+
+    def _is_there(self) -> bool:
+        try:
+            return self._handle is None or self._handle.is_same(self._place.stat())
+        except OSError:
+            return False
 
     # --- reading and writing ----------------------------------------------------------------------
+
+    @contextlib.contextmanager
+    def reading(self) -> Iterator[sqlite3.Connection | None]:
+        """A connection to read with, None if the file isn't what we wrote."""
+        with self._guard:
+            is_ours = os.getpid() == self._process and self._connection is not None and not self.trouble()
+            yield self._connection if is_ours else None
 
     def append(self, operations: Sequence[Operation], renewed: Project | None = None) -> None:
         """Add operations to the log, all or none; they are on the disk when this returns.
@@ -267,20 +353,28 @@ class ProjectFile:
 
         Raises
         ------
+        FileChangedError
+            The path no longer holds the file. `root` says which operations are in it all the same.
         OSError
             The disk is full, …; the file is as it was.
         """
         with self._guard, self._writing() as connection:
-            connection.execute("BEGIN IMMEDIATE")
-            try:
-                if renewed is not None:
-                    write_segmentation(connection, renewed)
-                insert_operations(connection, operations)
-                connection.execute("COMMIT")
-            except BaseException:
-                with contextlib.suppress(sqlite3.Error):
-                    connection.execute("ROLLBACK")
-                raise
+            if operations or renewed is not None:
+                try:
+                    if read_root(connection) != self.root:
+                        raise FileChangedError(
+                            errno.ESTALE, f"somebody else has written into {self.path.name!r}"
+                        )
+                    if renewed is not None:
+                        replace_segmentation(connection, renewed)
+                    root = insert_operations(connection, operations)
+                    connection.execute("COMMIT")
+                except BaseException:
+                    self._begin(connection)
+                    raise
+                self.root = root
+            self._copy()
+            self._check()
 
     @contextlib.contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:
@@ -288,122 +382,101 @@ class ProjectFile:
             raise OSError(
                 errno.EBADF, f"{self.path.name!r} belongs to the process that this one was forked from"
             )
-        if self._connection is None:
+        if self.read_only or self._lock is None:
             raise OSError(
                 errno.EBADF, f"{self.path.name!r} is closed: {self.read_only_reason or 'save again'}"
             )
+        self._check()
+        if self._connection is None:  # it is back where it was
+            try:
+                self._connect(check=True)
+            except ProjectError as error:
+                raise FileChangedError(errno.ESTALE, str(error)) from error
+        assert self._connection is not None
         try:
             yield self._connection
         except sqlite3.Error as error:
             raise _as_os_error(error, self.path) from error
 
-    def load(self, *, recover: bool = False) -> Project:
-        """Everything in the file.
+    def _check(self) -> None:
+        trouble = self.trouble()
+        if trouble:
+            self._disconnect()  # our log must not be taken for that of another file
+            raise FileChangedError(errno.ESTALE, trouble)
 
-        Raises
-        ------
-        ProjectError
-            Something is damaged. With ``recover`` the log may be: what comes before the damage counts.
+    def _copy(self) -> None:
+        """Copy what is committed into the file itself.
+
+        A reader is begun before: as long as one uses the log, SQLite never begins it anew, which would throw
+        away what the disk has not yet of the file. That is for `_begin_log_anew`, which waits for the disk.
         """
-        with self._guard, _reading(self.path):
-            if self._connection is None:
-                raise ProjectError(f"{self.path.name!r} is closed")
-            return load_project(self._connection, self.path.name, recover=recover)
+        connection, copier = self._connection, self._copier
+        assert connection is not None
+        assert copier is not None
+        self._begin(connection)
+        self._marks = ()
+        _, n_pages, _ = copier.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()
+        if n_pages > MOST_IN_LOG:
+            self._begin_log_anew(connection)
+        found = self._place.stat()
+        self._marks = (found.st_size, found.st_mtime_ns)
+
+    def _begin_log_anew(self, connection: sqlite3.Connection) -> None:
+        if self._handle is not None:
+            self._handle.sync()
+        connection.execute("ROLLBACK")
+        connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        self._begin(connection)
+
+    @staticmethod
+    def _begin(connection: sqlite3.Connection) -> None:
+        if connection.in_transaction:
+            connection.execute("ROLLBACK")
+        connection.execute("BEGIN")
+        read_root(connection)
 
 
 # --- the database ---------------------------------------------------------------------------------
 
 
-def _key(path: Path) -> str:
-    return os.path.realpath(path)
+def _owner(file: object) -> ProjectFile | None:
+    """A live file of this process, not one that a fork carried over."""
+    is_ours = isinstance(file, ProjectFile) and file._process == os.getpid() and file._lock is not None
+    return file if is_ours else None  # type: ignore[return-value]  # it is a ProjectFile
 
 
-def _connect(path: Path, mode: str) -> sqlite3.Connection:
-    uri = f"{path.as_uri()}?mode={mode}"
+def _try_to_lock(lock: FileLock) -> str:
+    """Take a lock; why that did not work, "" if it did."""
     try:
-        connection = sqlite3.connect(uri, uri=True, isolation_level=None, check_same_thread=False, timeout=5)
-        connection.execute("PRAGMA trusted_schema=OFF")
-        connection.execute("PRAGMA cell_size_check=ON")
-        connection.execute("PRAGMA mmap_size=0")
-        if mode == "ro":
-            try:
-                connection.execute("SELECT COUNT(*) FROM sqlite_master").fetchone()
-            except sqlite3.OperationalError:  # WAL needs to write beside the file, which nobody may here
-                connection.close()
-                connection = sqlite3.connect(
-                    f"{uri}&immutable=1", uri=True, isolation_level=None, check_same_thread=False
-                )
-                connection.execute("PRAGMA trusted_schema=OFF")
-    except sqlite3.Error as error:
-        raise ProjectError(f"{path.name!r} can't be opened ({error})") from error
-    connection.set_authorizer(_allow)
-    return connection
+        holder = lock.acquire()
+    except OSError as error:
+        if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
+            return "its folder can't be written"
+        return f"its folder can't keep others from writing at the same time ({error.strerror})"
+    return f"{holder} works on it" if holder else ""
 
 
-def _allow(action: int, *_: object) -> int:
-    """A file may not make the database open other files."""
-    return (
-        sqlite3.SQLITE_DENY if action in (sqlite3.SQLITE_ATTACH, sqlite3.SQLITE_DETACH) else sqlite3.SQLITE_OK
-    )
-
-
-def _make_durable(connection: sqlite3.Connection) -> None:
-    connection.execute("PRAGMA journal_mode=WAL")
-    connection.execute("PRAGMA synchronous=FULL")  # a commit is on the disk
-    connection.execute("PRAGMA wal_autocheckpoint=500")
-
-
-@contextlib.contextmanager
-def _reading(path: Path) -> Iterator[None]:
-    """Whatever goes wrong in reading a file is the file's fault, and its name belongs in the message."""
+def _locked(path: Path, *, overwrite: bool) -> FileLock:
+    lock = FileLock(path)
     try:
-        yield
-    except ProjectError as error:
-        raise (
-            error if path.name in str(error) else ProjectError(f"{path.name!r} is damaged: {error}")
-        ) from error
-    except (
-        sqlite3.Error,
-        ValueError,
-        TypeError,
-        KeyError,
-        OverflowError,
-        RecursionError,
-        MemoryError,
-        zlib.error,
-    ) as error:
-        raise ProjectError(f"{path.name!r} is damaged or no project file ({error!s:.200})") from error
-
-
-def _check(connection: sqlite3.Connection, path: Path, *, read_only: bool) -> sqlite3.Connection:
-    """The connection to a sound project file of the present version; migrates an older one."""
-    if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
-        raise ProjectError(f"{path.name!r} is no project file of scenewidget")
-    version = connection.execute("PRAGMA user_version").fetchone()[0]
-    if version > VERSION:
-        raise ProjectError(
-            f"{path.name!r} was written by a newer scenewidget (format {version}, this one reads up to "
-            f"{VERSION}); update scenewidget"
+        holder = lock.acquire()
+    except OSError as error:
+        raise explain(error, path) from error
+    if not overwrite and (holder or path.exists()):  # whoever has the lock alone may make the file
+        lock.release()
+        raise FileExistsError(errno.EEXIST, f"{str(path)!r} is there already")
+    if holder:
+        raise PermissionError(
+            errno.EACCES, f"can't write {str(path)!r}: {holder} works on it; choose another name"
         )
-    if version < 1:
-        raise ProjectError(f"{path.name!r} is damaged: it has the format {version}")
-    found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
-    if found != "ok":
-        raise ProjectError(f"{path.name!r} is damaged: {found!s:.200}")
-    if version < VERSION:
-        if read_only:  # upgrade a copy
-            copy = sqlite3.connect(":memory:", isolation_level=None, check_same_thread=False)
-            connection.backup(copy)
-            connection.close()
-            connection = copy
-        connection.execute("BEGIN IMMEDIATE")
-        for statement in (s for step in MIGRATIONS[version - 1 : VERSION - 1] for s in step):
-            connection.execute(statement)
-        connection.execute(f"PRAGMA user_version={VERSION}")
-        connection.execute("COMMIT")
-    tables = {row[0] for row in connection.execute("SELECT type || ' ' || name FROM sqlite_master")}
-    if tables != TABLES:
-        raise ProjectError(f"{path.name!r} is damaged or forged: it holds {sorted(tables ^ TABLES)[0]!r:.80}")
+    return lock
+
+
+def _open(place: Path) -> sqlite3.Connection:
+    uri = f"{place.as_uri()}?mode=rw"
+    connection = sqlite3.connect(uri, uri=True, isolation_level=None, check_same_thread=False, timeout=5)
+    for pragma in ("trusted_schema=OFF", "cell_size_check=ON", "mmap_size=0", "wal_autocheckpoint=0"):
+        connection.execute(f"PRAGMA {pragma}")
     return connection
 
 
@@ -414,23 +487,33 @@ def _create(path: Path, project: Project) -> None:
             connection.execute("PRAGMA journal_mode=OFF")  # `replacing` flushes the file as a whole
             connection.execute("PRAGMA synchronous=OFF")
             write_project(connection, project)
+            connection.execute("PRAGMA journal_mode=WAL")
         finally:
             connection.close()
     except sqlite3.Error as error:
         raise _as_os_error(error, path) from error
 
 
-def _settle(path: Path) -> None:
+def _settle(place: Path) -> None:
     """Make the file that is to be replaced whole in itself, so that no log of it meets the new file."""
-    if path.exists():
+    if place.exists() and _beside(place, "-wal").exists():
         with contextlib.suppress(sqlite3.Error):
-            old = sqlite3.connect(path, timeout=1)
+            old = sqlite3.connect(place, timeout=1)
             try:
-                old.execute("PRAGMA journal_mode=DELETE")
+                old.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             finally:
                 old.close()
+    _remove_log(place)
+
+
+def _remove_log(place: Path) -> None:
     for suffix in ("-wal", "-shm", "-journal"):
-        path.with_name(path.name + suffix).unlink(missing_ok=True)
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            _beside(place, suffix).unlink()
+
+
+def _beside(place: Path, suffix: str) -> Path:
+    return place.with_name(place.name + suffix)
 
 
 def _as_os_error(error: sqlite3.Error, path: Path) -> OSError:
@@ -446,5 +529,6 @@ def _as_os_error(error: sqlite3.Error, path: Path) -> OSError:
 @atexit.register
 def _close_all() -> None:
     """Leave whole files behind, without logs beside them."""
-    for file in list(_open_files.values()):
-        file.close()
+    for file in list(live_files):
+        if isinstance(file, ProjectFile):
+            file.close()

@@ -20,8 +20,8 @@ from typing import Any
 
 from scenewidget.editing.fingerprint import fingerprint
 from scenewidget.editing.project import ProjectError
+from scenewidget.editing.project_reader import Summary, summary_of
 from scenewidget.editing.session import Event, Session
-from scenewidget.editing.store import Summary, summary_of
 from scenewidget.engine.mesh import Mesh
 from scenewidget.widget.scene_view import SceneView
 

@@ -12,7 +12,7 @@ import shapes
 
 import scenewidget as sw
 from scenewidget.editing import store
-from scenewidget.editing.store import summary_of
+from scenewidget.editing.project_reader import summary_of
 from scenewidget.widget.autosave import default_name, newest_project
 
 OTHER_KERNEL = """
