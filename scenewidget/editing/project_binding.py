@@ -6,7 +6,9 @@ reason why not. How a file looks inside is the matter of `scenewidget.editing.st
 
 from __future__ import annotations
 
+import errno
 import os
+import re
 import warnings
 import weakref
 from collections.abc import Callable, Iterable
@@ -15,7 +17,7 @@ from typing import Any
 
 from scenewidget.editing.files import checked_path
 from scenewidget.editing.fingerprint import fingerprint, living_mesh
-from scenewidget.editing.project import Operation, Project, ProjectError
+from scenewidget.editing.project import Operation, Project, ProjectError, Root
 from scenewidget.editing.store import ProjectFile
 from scenewidget.engine.mesh import Mesh, MeshError
 from scenewidget.engine.readers import load_mesh
@@ -39,16 +41,14 @@ class ProjectBinding:
     Attributes
     ----------
     operations : list of Operation
-    problem : str
-        Why the last operation is not on the disk; "" if all is well.
     """
 
     def __init__(self, operations: Iterable[Operation], on_takeover: Callable[[], None]) -> None:
         self.operations = list(operations)
-        self.problem = ""
+        self._problem = ""  # of the last attempt to write
         self._on_takeover = weakref.WeakMethod(on_takeover)
         self._file: ProjectFile | None = None
-        self._n_durable = 0  # operations that are on the disk
+        self._holds_mesh = False  # whether the file does
         self._must_renew = False  # whether the file lacks another automatic segmentation
 
     @property
@@ -67,10 +67,16 @@ class ProjectBinding:
         return "" if self._file is None else self._file.read_only_reason
 
     @property
+    def problem(self) -> str:
+        """Why the last operation is not on the disk at that path now; "" if all is well."""
+        return self._problem or ("" if self._file is None else self._file.trouble())
+
+    @property
     def is_saved(self) -> bool:
-        """Whether every operation is on the disk."""
-        is_complete = self._n_durable == len(self.operations)
-        return self._file is not None and is_complete and not self.problem
+        """Whether every operation is on the disk, in the file that lies at that path now."""
+        if self._file is None:
+            return False
+        return self._file.root.n_operations == len(self.operations) and not self.problem
 
     def append(
         self, operation: Operation, make_project: Callable[[bool], Project], *, renew: bool = False
@@ -82,11 +88,27 @@ class ProjectBinding:
         self.operations.append(operation)
         self._flush(make_project, renew=renew)
 
-    def bind(self, file: ProjectFile) -> None:
-        """From now on the log is kept in this file, which holds all of it already."""
+    def take(self, path: Path, project: Project) -> None:
+        """Keep the log from now on in the file that it was read from, if nobody else does.
+
+        Raises
+        ------
+        FileChangedError
+            The file has changed since it was read.
+        """
+        if not project.n_lost:
+            file = ProjectFile.take(path, project)
+        else:
+            try:
+                file = ProjectFile.write(path, project)  # what was lost can't be gone on from
+            except OSError as error:
+                file = ProjectFile(path.absolute(), project.root or Root(0, b"", b""), str(error))
+        self._bind(file, holds_mesh=project.mesh is not None)
+
+    def _bind(self, file: ProjectFile, *, holds_mesh: bool) -> None:
         if self._file is not None and self._file is not file:
             self._file.close()
-        self._file, self._n_durable, self.problem = file, len(self.operations), ""
+        self._file, self._holds_mesh, self._problem, self._must_renew = file, holds_mesh, "", False
         file.on_takeover = weakref.WeakMethod(self._lose_file)
 
     def save(
@@ -100,28 +122,35 @@ class ProjectBinding:
         """Write everything; see `Session.save`."""
         if path is None and self._file is None:
             raise ValueError("the session has no file yet: save('room.swproj')")
-        target = self._file.path if path is None and self._file is not None else checked_path(path)
-        same = self._file is not None and self._file.is_at(target)
-        if same and self._file is not None and not self._file.read_only and not include_mesh:
+        mine = self._file
+        target = mine.path if path is None and mine is not None else checked_path(path)
+        is_same = mine is not None and mine.is_at(target)
+        if mine is not None and is_same and path is None and mine.is_taken_over:
+            raise PermissionError(f"{mine.path.name!r}: {mine.read_only_reason}; save under another name")
+        trouble = mine.trouble() if mine is not None and is_same else ""
+        if mine is not None and is_same and not trouble and not mine.read_only and not include_mesh:
             self._flush(make_project)
             if self.problem:
                 raise OSError(self.problem)
-            self._file.checkpoint()
-            return self._file.path
-        file = ProjectFile.write(target, make_project(include_mesh), replaces=self._file, overwrite=overwrite)
-        self.bind(file)
+            mine.checkpoint()
+            return mine.path
+        holds_mesh = include_mesh or (is_same and self._holds_mesh)
+        if trouble and path is None:  # nobody has said that what lies there now may go
+            overwrite = False
+        try:
+            file = ProjectFile.write(target, make_project(holds_mesh), replaces=mine, overwrite=overwrite)
+        except FileExistsError as error:
+            if trouble and path is None:
+                raise FileExistsError(errno.EEXIST, trouble) from error
+            raise
+        self._bind(file, holds_mesh=holds_mesh)
         return file.path
-
-    def rewrite(self, project: Project) -> None:
-        """Write the file anew with this content, as after a recovery."""
-        if self._file is not None:
-            self.bind(ProjectFile.write(self._file.path, project, replaces=self._file))
 
     def close(self) -> None:
         """Let go of the file; the log goes on in memory."""
         if self._file is not None:
             self._file.close()
-        self._file, self._n_durable, self.problem = None, 0, ""
+        self._file, self._problem = None, ""
 
     def _flush(self, make_project: Callable[[bool], Project], *, renew: bool = False) -> None:
         """Bring to the disk what is not there yet."""
@@ -129,19 +158,20 @@ class ProjectBinding:
             return
         try:
             self._file.append(
-                self.operations[self._n_durable :],
+                self.operations[self._file.root.n_operations :],
                 make_project(False) if renew or self._must_renew else None,
             )
         except OSError as error:
+            problem = re.sub(r"^\[Errno \d+\] ", "", str(error))
             self._must_renew = self._must_renew or renew
-            if str(error) != self.problem:
-                warnings.warn(f"{error}. The edit is done, but only in memory", stacklevel=6)
-            self.problem = str(error)
+            if problem != self._problem:
+                warnings.warn(f"{problem}. The edit is done, but only in memory", stacklevel=6)
+            self._problem = problem
         else:
-            self._n_durable, self.problem, self._must_renew = len(self.operations), "", False
+            self._problem, self._must_renew = "", False
 
     def _lose_file(self) -> None:
-        self.problem = "a newer session has taken the file over"
+        self._problem = "a newer session has taken the file over"
         tell = self._on_takeover()
         if tell is not None:
             tell()

@@ -27,8 +27,9 @@ from scenewidget.editing.history import History, Step, apply_edits, operation_ta
 from scenewidget.editing.observers import Event, EventKind, Observers
 from scenewidget.editing.project import Operation, Project, read_log
 from scenewidget.editing.project_binding import ProjectBinding, mesh_of_project
+from scenewidget.editing.project_reader import blame, read_project
 from scenewidget.editing.snapshot import Snapshot
-from scenewidget.editing.store import ProjectFile
+from scenewidget.editing.store import FileChangedError
 from scenewidget.editing.suggestions import Dismissal, Suggestion, suggest
 from scenewidget.editing.vocabulary import NYU40, chosen_vocabulary
 from scenewidget.engine.atoms import Atoms
@@ -468,14 +469,15 @@ class Session:
 
     @property
     def is_saved(self) -> bool:
-        """Whether every operation is on disk."""
+        """Whether every operation is on disk, in the file that lies at `path` now."""
         with self._lock:
             return self._binding.is_saved
 
     @property
     def file_problem(self) -> str:
-        """Why the last operation is not on disk: disk full, read-only; "" if all is well."""
-        return self._binding.problem
+        """Why the last operation is not on disk: disk full, file deleted or replaced; "" if all is well."""
+        with self._lock:
+            return self._binding.problem
 
     def save(
         self,
@@ -489,7 +491,8 @@ class Session:
         Parameters
         ----------
         path : path, optional
-            ``.swproj`` by convention. Without one, the file that the session has already.
+            ``.swproj`` by convention. Without one, the file that the session has already: where it was
+            deleted or renamed, it is written anew; where another file has taken its place, that stays.
         include_mesh : bool
             Whether the mesh goes in; without it the file holds only its fingerprint and where it was
             loaded from.
@@ -506,7 +509,7 @@ class Session:
         ValueError
             No path, and no file yet.
         FileExistsError
-            Not to ``overwrite``, and there is such a file.
+            Not to ``overwrite``, and there is such a file; or one that is no project.
         OSError
             The file can't be written: disk full, no permission, or another process works on it. The old
             file, if there was one, is untouched, and edits stay in memory.
@@ -546,21 +549,22 @@ class Session:
             Damaged, no project, of a newer version, of another mesh than the one given (the message names
             both), or without any mesh to be found (the message says how to give it). A ValueError.
         """
-        file = ProjectFile.open(checked_path(path))
-        try:
-            project = file.load(recover=recover)
-            found, source = mesh_of_project(project, file.path, mesh)
-            session = cls._from_project(project, found, source)
-            session._binding.bind(file)
-            if recover and project.n_lost and not file.read_only:
-                session._binding.rewrite(session._project(project.mesh is not None))
-            session._log(Operation(time.time(), "open"))
-        except BaseException:
-            file.close()
-            raise
-        if file.read_only:
+        place = checked_path(path)
+        for last in (False, False, True):
+            project = read_project(place, recover=recover)  # nothing is taken before everything fits
+            found, source = mesh_of_project(project, place, mesh)
+            with blame(place):
+                session = cls._from_project(project, found, source)
+            try:
+                session._binding.take(place, project)
+                break
+            except FileChangedError:
+                if last:
+                    raise
+        session._log(Operation(time.time(), "open"))
+        if session.read_only:
             warnings.warn(
-                f"{file.path.name!r} is open read-only: {file.read_only_reason}. Edits stay in memory; "
+                f"{place.name!r} is open read-only: {session.file_reason}. Edits stay in memory; "
                 "save them under another name",
                 stacklevel=2,
             )

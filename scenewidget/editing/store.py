@@ -33,6 +33,7 @@ from scenewidget.editing.schema import (
 
 __all__ = ["FileChangedError", "ProjectFile"]
 
+TAKEN_OVER = "a newer session has taken it over"
 MOST_IN_LOG = 400  # pages, before the log begins anew
 _of_parents: list[sqlite3.Connection] = []  # connections that a fork carried over, never to be touched
 
@@ -79,6 +80,11 @@ class ProjectFile:
         """Whether operations can't be written."""
         return self.read_only_reason != ""
 
+    @property
+    def is_taken_over(self) -> bool:
+        """Whether a newer session of this process has it."""
+        return self.read_only_reason == TAKEN_OVER
+
     def is_at(self, path: Path) -> bool:
         """Whether this is the file of that path."""
         return self._place == real(path)
@@ -96,39 +102,53 @@ class ProjectFile:
         ------
         FileChangedError
             It isn't in that state any more; read it again.
-        ProjectError, OSError
-            It can't be opened; whoever had it has it still.
+        OSError
+            Something else is wrong with the disk; whoever had the file has it still.
         """
         path = path.absolute()
         assert project.root is not None  # of a project that was read
         file = cls(path, project.root)
         other = _owner(live_files.at(file._place))
-        if other is None:
-            file.read_only_reason = file._take_locks()
-            if not file.read_only:
-                try:
-                    file._drop_stale_log()
-                    file._connect(check=True)
-                except BaseException:
-                    file.close()
-                    raise
+        try:
+            if other is None:
+                file._take_free()
+                return file
+            with other._guard:
+                file._take_from(other)
+        except ProjectError as error:  # it was read, so it is sound
+            file.read_only_reason = f"it can't be opened for writing ({error})"
             return file
-        with other._guard:
-            if other._place != file._place:  # another name of it: a database must be open under one only
-                file._lock = FileLock(path)
-                if holder := _try_to_lock(file._lock):
-                    file._lock, file.read_only_reason = None, holder
-                    return file
-                other._disconnect()
-            try:
-                file._connect(check=True)
-            except BaseException:
-                file.close()
-                if other._connection is None:
-                    other._connect(check=False)
-                raise
-            other._surrender(file)
+        if not file.read_only:
+            other._tell()
         return file
+
+    def _take_free(self) -> None:
+        self.read_only_reason = self._take_locks()
+        if self.read_only:
+            return
+        try:
+            self._drop_stale_log()
+            self._connect(check=True)
+        except BaseException:
+            self.close()
+            raise
+
+    def _take_from(self, other: ProjectFile) -> None:
+        if other._place != self._place:  # another name of it: a database must be open under one only
+            lock = FileLock(self.path)
+            self.read_only_reason = _try_to_lock(lock)
+            if self.read_only:
+                return
+            self._lock = lock
+            other._disconnect()
+        try:
+            self._connect(check=True)
+        except BaseException:
+            self.close()
+            if other._connection is None:
+                other._connect(check=True)
+            raise
+        other._surrender(self)
 
     @classmethod
     def write(
@@ -181,7 +201,9 @@ class ProjectFile:
                         owner._connect(check=True)
                 raise
             if owner is not None:
-                owner._surrender(file, is_told=owner is not replaces)
+                owner._surrender(file)
+        if owner is not None and owner is not replaces:
+            owner._tell()
         return file
 
     def _take_locks(self) -> str:
@@ -252,18 +274,20 @@ class ProjectFile:
         with contextlib.suppress(Exception):
             self.close()
 
-    def _surrender(self, to: ProjectFile, *, is_told: bool = True) -> None:
-        """Let another one have the file, with the locks that it lacks."""
-        with self._guard:
-            self._disconnect()
-            if to._lock is None:
-                to._lock, self._lock = self._lock, None
-            if to._handle is None:
-                to._handle, self._handle = self._handle, None
-            self.close()
-            self.read_only_reason = "a newer session has taken it over"
+    def _surrender(self, to: ProjectFile) -> None:
+        """Let another one have the file, with the locks that it lacks; called with both guards held."""
+        self._disconnect()
+        if to._lock is None:
+            to._lock, self._lock = self._lock, None
+        if to._handle is None:
+            to._handle, self._handle = self._handle, None
+        self.close()
+        self.read_only_reason = TAKEN_OVER
         live_files.add(to._place, to)
-        callback = None if self.on_takeover is None or not is_told else self.on_takeover()
+
+    def _tell(self) -> None:
+        """Let the session know that its file is gone to another; called without any guard held."""
+        callback = None if self.on_takeover is None else self.on_takeover()
         if callback is not None:
             callback()
 

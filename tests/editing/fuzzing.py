@@ -14,8 +14,8 @@ import shapes
 import scenewidget as sw
 from scenewidget.editing.formats import FormatError
 from scenewidget.editing.project import ProjectError
-from scenewidget.editing.session import Session
 from scenewidget.editing.project_reader import summary_of
+from scenewidget.editing.session import Session
 from scenewidget.engine.segmentation import Segmentation
 
 MESH = shapes.box(3)

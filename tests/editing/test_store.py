@@ -21,6 +21,7 @@ from test_session import box_session, do_all
 
 import scenewidget as sw
 from scenewidget.editing import schema, store
+from scenewidget.editing.edits import Cut, Merge, Relabel, Split
 from scenewidget.editing.fingerprint import fingerprint
 from scenewidget.editing.project import ProjectError
 from scenewidget.editing.session import Session
@@ -410,10 +411,21 @@ def test_a_damaged_log_can_be_recovered_up_to_the_damage(tmp_path):
         assert len(again.edits) == 3
 
 
+def forge(path, *statements):
+    """Change a file as somebody does who knows how its digests are made."""
+    with sqlite3.connect(path, isolation_level=None) as connection:
+        for statement in statements:
+            connection.execute(*statement)
+        root = schema.read_root(connection)
+        content = schema._content_of(connection)
+        connection.execute("UPDATE root SET content = ? WHERE n_operations = ?", (content, root.n_operations))
+    connection.close()
+
+
 def forge_array(path, name, dtype, shape, data):
     row = (name, dtype, shape, data)
     digest = schema._digest(b"", *row)
-    change(path, ("INSERT OR REPLACE INTO array VALUES (?, ?, ?, ?, ?)", (*row, digest)))
+    forge(path, ("INSERT OR REPLACE INTO array VALUES (?, ?, ?, ?, ?)", (*row, digest)))
 
 
 @pytest.mark.parametrize(
@@ -441,28 +453,52 @@ def test_a_bomb_of_zeros_is_refused(tmp_path):
         Session.open(tmp_path / "room.swproj", mesh)
 
 
+GOLDEN = HERE.parent / "golden"
+OLD_EDITS = [Relabel(0, "chair"), Merge((0, 40), 70), Cut(0, 70)]
+
+
+def old_project(folder, name="format_1"):
+    """A copy of a project that the first format of files holds; tests/golden tells how it was made."""
+    for suffix in ("", "-wal"):
+        if (GOLDEN / f"{name}.swproj{suffix}").exists():
+            shutil.copy(GOLDEN / f"{name}.swproj{suffix}", folder / f"room.swproj{suffix}")
+    return folder / "room.swproj"
+
+
+def version_of(path):
+    with sqlite3.connect(path) as connection:
+        version = connection.execute("PRAGMA user_version").fetchone()[0]
+    connection.close()
+    return version
+
+
 @pytest.mark.filterwarnings("ignore:.*read-only")
 @pytest.mark.parametrize("read_only", [False, True])
-def test_older_files_are_brought_up_to_date(tmp_path, monkeypatch, read_only):
-    expected, _, mesh = saved(tmp_path / "room.swproj")
-    monkeypatch.setattr(store, "MIGRATIONS", (("INSERT INTO fact VALUES ('new', '1', x'')",),))
-    monkeypatch.setattr(store, "VERSION", 2)
-    real = schema._digest
-    monkeypatch.setattr(schema, "_digest", lambda *a: b"" if a[1:2] == ("new",) else real(*a))
+@pytest.mark.parametrize("name", ["format_1", "format_1_killed"])
+def test_projects_of_the_first_format_open_and_are_brought_up_to_date(tmp_path, monkeypatch, name, read_only):
+    path = old_project(tmp_path, name)
     if read_only:
         monkeypatch.setattr(store.os, "access", lambda *_: False)
-    with Session.open(tmp_path / "room.swproj", mesh) as session:
+    with Session.open(path) as session:  # the mesh is in the file
         assert session.read_only == read_only
-        assert_same(session.segmentation, expected)
-    with sqlite3.connect(tmp_path / "room.swproj") as connection:
-        assert connection.execute("PRAGMA user_version").fetchone()[0] == (1 if read_only else 2)
-    connection.close()
+        assert session.edits == OLD_EDITS
+        assert list(session.undone) == [Split(100, "base")]
+        assert session.vocabulary == ("chair", "Tür")
+        expected = session.segmentation
+    monkeypatch.undo()
+    if read_only:
+        assert path.read_bytes() == (GOLDEN / f"{name}.swproj").read_bytes()
+        return
+    assert version_of(path) == schema.VERSION
+    with Session.open(path) as again:
+        assert_same(again.segmentation, expected)
+        again.redo()
 
 
 def test_parameters_of_another_version_are_left_out(tmp_path):
     _, _, mesh = saved(tmp_path / "room.swproj")
     text = '{"n_segments":5,"not_yet_invented":1}'
     row = ("params", text, schema._digest(b"", "params", text))
-    change(tmp_path / "room.swproj", ("INSERT OR REPLACE INTO fact VALUES (?, ?, ?)", row))
+    forge(tmp_path / "room.swproj", ("INSERT OR REPLACE INTO fact VALUES (?, ?, ?)", row))
     with pytest.warns(UserWarning, match="of another version and left out"):
         assert Session.open(tmp_path / "room.swproj", mesh).params is None
