@@ -254,9 +254,14 @@ def _whole(place: Path) -> Iterator[sqlite3.Connection]:
     with tempfile.TemporaryDirectory(prefix="scenewidget-") as folder:
         copy = Path(folder) / "copy.swproj"
         for suffix in ("", "-journal", "-wal"):  # a log that has grown meanwhile still fits the file
-            source = _beside(place, suffix)
-            if source.exists():
-                shutil.copyfile(source, _beside(copy, suffix))
+            try:
+                shutil.copyfile(_beside(place, suffix), _beside(copy, suffix))
+            except FileNotFoundError:
+                continue
+            except PermissionError as error:
+                raise ProjectError(
+                    f"its log {place.name + suffix!r} can't be read: you have no permission"
+                ) from error
         with _connected(copy, copy.as_uri()) as connection:
             yield connection
 

@@ -169,6 +169,8 @@ class ProjectFile:
         place = real(path)
         if place.is_dir():
             raise explain(IsADirectoryError(errno.EISDIR, ""), path)
+        if not place.parent.is_dir():
+            raise explain(FileNotFoundError(errno.ENOENT, ""), path)
         if not overwrite and place.exists():
             raise FileExistsError(errno.EEXIST, f"{str(path)!r} is there already")
         owner = replaces if replaces is not None and replaces._lock and replaces.is_at(path) else None

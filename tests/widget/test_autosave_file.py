@@ -18,9 +18,11 @@ from scenewidget.widget.autosave import default_name, newest_project
 OTHER_KERNEL = """
 import sys
 from pathlib import Path
+from scenewidget.editing.project_reader import read_project
 from scenewidget.editing.store import ProjectFile
 
-file = ProjectFile.open(Path(sys.argv[1]))
+path = Path(sys.argv[1])
+file = ProjectFile.take(path, read_project(path))
 print(file.read_only, flush=True)
 sys.stdin.read()
 """
