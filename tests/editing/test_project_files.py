@@ -440,7 +440,7 @@ FORGERIES = {
 @pytest.mark.parametrize("forgery", FORGERIES)
 def test_forged_files_are_refused_at_once_by_every_reader(tmp_path, monkeypatch, forgery):
     import scenewidget as sw
-    from scenewidget.widget.keeper import default_name
+    from scenewidget.widget.autosave import default_name
 
     monkeypatch.chdir(tmp_path)
     _, _, mesh = saved(tmp_path / NAME)
