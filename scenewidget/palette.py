@@ -87,7 +87,7 @@ def segment_colors(segmentation: Segmentation) -> npt.NDArray[np.uint8]:
     >>> import scenewidget as sw
     >>> mesh = sw.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     >>> segment_colors(sw.Segmentation.from_labels(mesh, [0, -1])).tolist()
-    [[255, 201, 199], [179, 179, 181]]
+    [[204, 218, 254], [179, 179, 181]]
     """
     known = _rows_shown.get(segmentation)
     rows = label_rows(segmentation.mesh, segmentation.labels, known)
@@ -104,6 +104,13 @@ def label_rows(mesh: Mesh, labels: IntArray, known: IntArray | None = None) -> I
         From 0 without gaps; -1 = none.
     known : (n_labels,) int, optional
         Rows that are settled; -1 = choose.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets import analytic
+    >>> int(label_rows(analytic.square(2), np.repeat([0, 1], 4), known=np.array([3, -1]))[0])
+    3
     """
     n_labels = int(labels.max(initial=-1)) + 1
     shares = np.bincount(labels[labels >= 0], minlength=n_labels) / len(labels)
@@ -151,6 +158,13 @@ def choose_colors(
         Part of the faces in each segment, 0 to 1.
     known : (n_segments,) int, optional
         Colours that are settled; -1 = choose.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rows = choose_colors(3, np.array([[0, 1], [1, 2]]), np.array([0.5, 0.3, 0.2]))
+    >>> len(set(rows.tolist()))
+    3
     """
     difference, loudness = _differences(), _loudness()
     chosen = np.full(n_segments, -1) if known is None else known.copy()
@@ -182,6 +196,13 @@ def inherited_colors(
     Largest overlap first, each old colour goes to one segment at most, so a merged segment keeps the colour
     of its larger part and the larger part of a split one keeps the colour of the whole. ``sizes`` are how
     many faces each entry stands for, 1 by default.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> before, now = np.array([0, 0, 0, 1]), np.array([0, 0, 2, 1])  # 0 was split
+    >>> inherited_colors(now, 3, before, np.array([30, 31]))
+    array([30, 31, -1])
     """
     colors = np.full(n_segments, -1)
     is_both = (labels >= 0) & (before >= 0)
@@ -199,12 +220,26 @@ def inherited_colors(
 
 
 def are_distinct(color: int, others: IntArray) -> bool:
-    """Whether a row of the palette can be told from some others, by everybody."""
+    """Whether a row of the palette can be told from some others, by everybody.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> are_distinct(0, np.array([0]))
+    False
+    """
     return bool((_differences()[color, others] >= ENOUGH / 2).all())
 
 
 def adjacent_segments(faces: IntArray, labels: IntArray, n_vertices: int) -> IntArray:
-    """Pairs of segments that share a vertex, (n_pairs, 2); where many meet, not every pair of them."""
+    """Pairs of segments that share a vertex, (n_pairs, 2); where many meet, not every pair of them.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> adjacent_segments(np.array([[0, 1, 2], [0, 2, 3]]), np.array([0, 1]), 4).tolist()
+    [[0, 1], [1, 0]]
+    """
     at_vertex = np.full(n_vertices, -1)
     for corner in range(3):
         at_vertex[faces[:, corner]] = labels

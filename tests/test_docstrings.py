@@ -1,6 +1,8 @@
 """Every public name tells what it is, and every parameter what it means."""
 
+import ast
 import dataclasses
+import doctest
 import importlib
 import inspect
 import pkgutil
@@ -120,3 +122,63 @@ def test_public_names_are_documented():
 def test_help_begins_with_all_that_there_is():
     missing = [name for name in scenewidget.__all__ if f"``{name}``" not in scenewidget.__doc__]
     assert missing == []
+
+
+# --- examples -------------------------------------------------------------------------------------
+
+SHOWN_BY_EXAMPLE = ("scenewidget.palette", "scenewidget.editing", "scenewidget.figures", "scenewidget.widget")
+FROM_THEIR_PACKAGE = ("scenewidget.editing.",)  # modules whose names people take from the package alone
+
+
+def with_examples():
+    """Names of the modules in which some docstring has an example."""
+    return [name for name in modules() if ">>> " in inspect.getsource(importlib.import_module(name))]
+
+
+@pytest.mark.parametrize("name", with_examples())
+def test_examples_say_what_comes_out(name):
+    module = importlib.import_module(name)
+    result = doctest.testmod(module, optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
+    assert result.attempted > 0
+    assert result.failed == 0
+
+
+def test_public_functions_and_classes_have_an_example():
+    missing = set()
+    for name in modules():
+        if not name.startswith(SHOWN_BY_EXAMPLE) or name.startswith(FROM_THEIR_PACKAGE):
+            continue
+        module = importlib.import_module(name)
+        for key in getattr(module, "__all__", []):
+            thing = getattr(module, key)
+            if inspect.isfunction(thing) or inspect.isclass(thing):
+                missing |= {f"{thing.__module__}.{key}"} if ">>> " not in (thing.__doc__ or "") else set()
+    assert missing == set()
+
+
+# --- traits ---------------------------------------------------------------------------------------
+
+
+def traits_without_words(source):
+    """Names of the public traits that are not followed by a string that says what they are."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if not isinstance(node, ast.ClassDef):
+            continue
+        for at, member in enumerate(node.body):
+            target = member.targets[0] if isinstance(member, ast.Assign) else getattr(member, "target", None)
+            if not isinstance(target, ast.Name) or "traitlets." not in ast.unparse(member):
+                continue
+            after = node.body[at + 1] if at + 1 < len(node.body) else None
+            is_told = isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
+            if not is_told and not target.id.startswith("_"):
+                found.append(f"{node.name}.{target.id}")
+    return found
+
+
+def test_every_trait_is_told_under_it():
+    sources = [
+        inspect.getsource(importlib.import_module(n)) for n in modules() if "scenewidget.data" not in n
+    ]
+    assert [trait for source in sources for trait in traits_without_words(source)] == []
+    assert traits_without_words("class A:\n  x = traitlets.Int()\n  _y = traitlets.Int()") == ["A.x"]

@@ -36,6 +36,16 @@ class Correction:
         Whether the last of them is at most the target.
     segmentation : Segmentation
         After the edits.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> from scenewidget.editing import simulate_annotator
+    >>> simulate_annotator(seg, seg)
+    Correction(0 edits, 1-RI 0.000 to 0.000)
     """
 
     edits: tuple[Edit, ...]
@@ -72,6 +82,20 @@ def simulate_annotator(
     -------
     Correction
         ``reached`` is False if ``most`` edits were not enough or no edit helps any more.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> from scenewidget.editing import simulate_annotator
+    >>> quarters = sw.Segmentation.from_labels(mesh, [0, 0, 1, 1, 2, 2, 3, 3])
+    >>> done = simulate_annotator(quarters, seg)
+    >>> done
+    Correction(2 edits, 1-RI 0.286 to 0.000)
+    >>> done.edits
+    (Merge(faces=(0,), onto_face=2, level='final'), Merge(faces=(4,), onto_face=6, level='final'))
     """
     actual = np.asarray(truth.labels if isinstance(truth, Segmentation) else truth)
     if actual.dtype.kind not in "iu" or actual.shape != (segmentation.mesh.n_faces,):

@@ -50,6 +50,14 @@ def cut_segment(mesh: Mesh, faces: IntArray, face_a: int, face_b: int) -> BoolAr
     is_b : (n,) bool
         False at ``face_a``, True at ``face_b``. Pieces that are connected with neither go to the nearer
         of the two. Ties go to ``face_a``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> cut_segment(mesh, np.arange(8), 0, 7)
+    array([False, False,  True,  True, False, False,  True,  True])
     """
     used, corners = np.unique(mesh.faces[faces], return_inverse=True)
     sub = Mesh(mesh.vertices[used], corners.reshape(-1, 3))

@@ -24,7 +24,15 @@ MAX_FACES = 100_000  # faces of one brush stroke
 
 
 class EditError(ValueError):
-    """An edit that can't be done here; the message says why."""
+    """An edit that can't be done here; the message says why.
+
+    Examples
+    --------
+    >>> Cut(3, 3)
+    Traceback (most recent call last):
+        ...
+    scenewidget.editing.edits.EditError: face_a and face_b are both 3: a cut needs two different faces
+    """
 
 
 @dataclass(frozen=True)
@@ -33,6 +41,13 @@ class Merge:
 
     At the level "final" a part is the whole segment that the face is in now. At "dihedral" and "base" it is
     the part of that level, wherever its faces are now.
+
+    Examples
+    --------
+    >>> Merge([4, 9], onto_face=2, level="base").title
+    'Merge 2 parts'
+    >>> Merge(4, onto_face=2)
+    Merge(faces=(4,), onto_face=2, level='final')
     """
 
     faces: tuple[int, ...]
@@ -66,6 +81,11 @@ class Split:
 
     At "dihedral" and "base" that is the part of the level, wherever its faces are now. At "final" it is
     what the segment under the face has from one automatic segment: a piece that was merged comes off again.
+
+    Examples
+    --------
+    >>> Split(3, "base")
+    Split(face=3, level='base')
     """
 
     face: int
@@ -83,7 +103,13 @@ class Split:
 
 @dataclass(frozen=True)
 class Relabel:
-    """The segment under ``face`` is called ``name``; "" takes its name away."""
+    """The segment under ``face`` is called ``name``; "" takes its name away.
+
+    Examples
+    --------
+    >>> Relabel(3, " chair ")
+    Relabel(face=3, name='chair')
+    """
 
     face: int
     name: str
@@ -103,6 +129,11 @@ class Cut:
     """The segment under both faces is divided along the cheapest boundary between them.
 
     The side of ``face_a`` stays the segment that it is, the side of ``face_b`` becomes a new one.
+
+    Examples
+    --------
+    >>> Cut(3, 9).title
+    'Cut'
     """
 
     face_a: int
@@ -125,7 +156,13 @@ _KINDS: dict[str, type[Edit]] = {"merge": Merge, "split": Split, "relabel": Rela
 
 
 def edit_to_dict(edit: Edit) -> dict[str, Any]:
-    """The edit as plain data for JSON: its fields and its ``kind``."""
+    """The edit as plain data for JSON: its fields and its ``kind``.
+
+    Examples
+    --------
+    >>> edit_to_dict(Split(3, "base"))
+    {'kind': 'split', 'face': 3, 'level': 'base'}
+    """
     data: dict[str, Any] = {"kind": type(edit).__name__.lower()}
     for field in dataclasses.fields(edit):
         value = getattr(edit, field.name)
@@ -140,6 +177,11 @@ def edit_from_dict(data: Any) -> Edit:
     ------
     ValueError, TypeError
         Not the data of an edit.
+
+    Examples
+    --------
+    >>> edit_from_dict({"kind": "cut", "face_a": 3, "face_b": 9})
+    Cut(face_a=3, face_b=9)
     """
     if not isinstance(data, Mapping) or data.get("kind") not in _KINDS:
         raise ValueError(
@@ -165,6 +207,11 @@ def checked_name(name: Any) -> str:
         Not a text.
     ValueError
         Too long, or with characters that no file can hold (control characters, lone surrogates).
+
+    Examples
+    --------
+    >>> checked_name("  office chair ")
+    'office chair'
     """
     if not isinstance(name, str):
         raise TypeError(f"name must be a text, got {type(name).__name__}")

@@ -108,6 +108,22 @@ class History:
     ----------
     partition : Partition
         As the edits done leave it.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> from scenewidget.editing import Merge
+    >>> history = History(seg)
+    >>> step, _ = history.do(Merge(0, onto_face=7), when=0.0)
+    >>> history.segmentation.n_segments
+    1
+    >>> history.undo().title
+    'Merge'
+    >>> history.segmentation is seg
+    True
     """
 
     def __init__(self, automatic: Segmentation) -> None:
@@ -205,7 +221,17 @@ class History:
 
 
 def operation_table(operations: Iterable[Operation]) -> pd.DataFrame:
-    """A row an operation of a log, as `Session.to_frame` describes it."""
+    """A row an operation of a log, as `Session.to_frame` describes it.
+
+    Examples
+    --------
+    >>> from scenewidget.editing import Merge
+    >>> operations = [Operation(0.0, "open"), Operation(2.5, "edit", edit=Merge(0, onto_face=7))]
+    >>> operation_table(operations)[["seconds", "action", "edit", "faces"]]
+       seconds action   edit   faces
+    0      0.0   open             ()
+    1      2.5   edit  merge  (0, 7)
+    """
     import pandas as pd
 
     rows = [

@@ -29,7 +29,18 @@ AREA_QUANTA = 2.0**50  # that the area of a mesh has: float64 adds whole numbers
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """What an edit did, enough to take it back."""
+    """What an edit did, enough to take it back.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> from scenewidget.editing import Merge
+    >>> Partition(seg).apply(Merge(0, onto_face=7)).n_faces
+    4
+    """
 
     atoms: IntArray  # whose segment changed
     before: IntArray  # their segments
@@ -42,7 +53,18 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class KnownCut:
-    """The outcome of a cut, so that it need not be computed again."""
+    """The outcome of a cut, so that it need not be computed again.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> _, cut = Partition(seg).divide(Cut(0, 3))
+    >>> cut.is_b
+    array([False, False,  True,  True])
+    """
 
     segment_digest: bytes  # of the faces of the segment that was cut
     is_b: BoolArray  # (n_faces of the segment,) on the side of face_b
@@ -50,7 +72,17 @@ class KnownCut:
 
 @dataclass(frozen=True, eq=False)
 class Numbering:
-    """Segments as a `Segmentation` numbers them, without labels per face."""
+    """Segments as a `Segmentation` numbers them, without labels per face.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> Partition(seg).numbering().names
+    ('', '')
+    """
 
     labels: npt.NDArray[np.int32]  # (n_atoms,) dense, 0 the largest by area, -1 unlabeled
     ids: IntArray  # (n_segments,) what stays of each segment over edits
@@ -71,6 +103,20 @@ class Partition:
         What the edits start from.
     known_cuts : dict, optional
         Outcomes of cuts computed before; used where the same segment is cut by the same faces.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> partition = Partition(seg)
+    >>> change = partition.apply(Cut(0, 3))
+    >>> partition.segmentation().labels
+    array([1, 1, 2, 2, 0, 0, 0, 0], dtype=int32)
+    >>> partition.revert(change)
+    >>> partition.segmentation() is seg
+    True
     """
 
     def __init__(

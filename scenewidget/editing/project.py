@@ -22,7 +22,13 @@ Action = Literal["open", "edit", "undo", "redo", "segmentation", "vocabulary"]
 
 
 class ProjectError(ValueError):
-    """A project file that is damaged, foreign, too new, or of another mesh."""
+    """A project file that is damaged, foreign, too new, or of another mesh.
+
+    Examples
+    --------
+    >>> issubclass(ProjectError, ValueError)
+    True
+    """
 
 
 @dataclass(frozen=True, eq=False)

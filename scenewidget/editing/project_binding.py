@@ -41,6 +41,24 @@ class ProjectBinding:
     Attributes
     ----------
     operations : list of Operation
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> session = sw.Session(mesh, seg)
+    >>> session.path is None, session.is_saved
+    (True, False)
+    >>> import tempfile
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> session.save(f"{folder.name}/square.swproj").name
+    'square.swproj'
+    >>> session.is_saved
+    True
+    >>> session.close()
+    >>> folder.cleanup()
     """
 
     def __init__(self, operations: Iterable[Operation], on_takeover: Callable[[], None]) -> None:

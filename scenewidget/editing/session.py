@@ -67,6 +67,24 @@ class Session:
     ------
     ValueError
         The segmentation is of another mesh.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> session = sw.Session(mesh, seg)
+    >>> session.merge(0, onto_face=7).title
+    'Merge'
+    >>> session.relabel(0, "table").title
+    "Name 'table'"
+    >>> session.segmentation.names
+    ('table',)
+    >>> session.undo().title
+    "Name 'table'"
+    >>> session
+    Session(8 faces, 1 segments, 1 edits)
     """
 
     def __init__(

@@ -32,6 +32,16 @@ class Snapshot:
     confidence : (n_segments,) float64
         Mean over the area; 1 where a person decided.
     atom_confidence : (n_atoms,) float64
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> state = sw.Session(mesh, seg).snapshot()
+    >>> state.labels[state.atoms.face_atom]
+    array([0, 0, 0, 0, 1, 1, 1, 1], dtype=int32)
     """
 
     revision: int

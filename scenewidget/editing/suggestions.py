@@ -49,6 +49,11 @@ class Suggestion:
         P, that the edit is right. Below one half the edit is not to be made unseen.
     title : str
         What a list shows.
+
+    Examples
+    --------
+    >>> Suggestion("split", 3, -1, "base", gain=0.01, probability=0.7, title="Split a part off").edit
+    Split(face=3, level='base')
     """
 
     kind: Literal["merge", "split"]

@@ -53,7 +53,13 @@ def nyu_class(name: str) -> str:
 
 
 def nyu_id(name: str) -> int:
-    """Id of the class that a name stands for, 1 to 40; 0 if there is none."""
+    """Id of the class that a name stands for, 1 to 40; 0 if there is none.
+
+    Examples
+    --------
+    >>> nyu_id("chair 2"), nyu_id("spaceship")
+    (5, 0)
+    """
     found = nyu_class(name)
     return NYU40.index(found) + 1 if found else 0
 
@@ -65,6 +71,11 @@ def checked_vocabulary(names: Iterable[str]) -> tuple[str, ...]:
     ------
     TypeError, ValueError
         Not a sequence of names, or one that no segment can have.
+
+    Examples
+    --------
+    >>> checked_vocabulary(["desk", " chair", "desk"])
+    ('desk', 'chair')
     """
     if isinstance(names, str) or not isinstance(names, Iterable):
         raise TypeError(f"vocabulary must be a sequence of names, got {names!r:.200}")
@@ -86,6 +97,13 @@ def chosen_vocabulary(choice: str | Iterable[str]) -> tuple[str, ...]:
     ------
     TypeError, ValueError
         Another word, not a sequence of names, or one that no segment can have.
+
+    Examples
+    --------
+    >>> len(chosen_vocabulary("scannet20"))
+    20
+    >>> chosen_vocabulary(["desk", "chair"])
+    ('desk', 'chair')
     """
     if not isinstance(choice, str):
         return checked_vocabulary(choice)
@@ -105,6 +123,11 @@ def quick_names(vocabulary: Sequence[str], used: Iterable[str], n: int = 7) -> t
     ----------
     used : iterable of str
         Names in the order in which they were given to segments.
+
+    Examples
+    --------
+    >>> quick_names(["wall", "floor", "chair"], used=["lamp"], n=2)
+    ('wall', 'lamp')
     """
     slots = list(vocabulary[:n])
     last = [-1 - i for i in range(len(slots))]  # of those never used, the last ones go first

@@ -17,7 +17,16 @@ __all__ = ["Chart", "coassociation", "reliability", "spectrum"]
 
 
 class Chart(MatplotlibFigure):
-    """A matplotlib figure that displays itself as a small PNG; ``chart.axes[0]`` is there to be changed."""
+    """A matplotlib figure that displays itself as a small PNG; ``chart.axes[0]`` is there to be changed.
+
+    Examples
+    --------
+    >>> chart = spectrum([0.0, 1.0, 2.5])
+    >>> chart
+    Chart()
+    >>> chart.axes[0].get_xlabel()
+    'index i'
+    """
 
     def __repr__(self) -> str:
         return "Chart()"
@@ -45,6 +54,11 @@ def spectrum(
     reference : (k,) float, optional
         Closed-form values, drawn as rings.
     title : str
+
+    Examples
+    --------
+    >>> spectrum([0.0, 1.0, 2.5], reference=[0.0, 1.0, 2.0], title="a drum")
+    Chart()
     """
     given = basis if isinstance(basis, Mapping) else {"": basis}
     chart = Chart(figsize=(6.4, 3.2), layout="constrained")
@@ -85,6 +99,11 @@ def coassociation(
     weights : (n,) float, optional
         Rows of one label are ordered by weight, and labels by their sum; by default all 1.
     title : str
+
+    Examples
+    --------
+    >>> coassociation([[1.0, 0.5], [0.5, 1.0]], [0, 1])
+    Chart()
     """
     matrix = getattr(C, "C", getattr(C, "matrix", C))
     matrix = np.asarray(matrix.toarray() if sparse.issparse(matrix) else matrix, np.float64)
@@ -123,6 +142,13 @@ def reliability(table: Any, *, title: str = "") -> Chart:
         As `scenewidget.evaluation.reliability` returns it; several are drawn in one chart. Bars show the
         share of the faces in each bin of the first.
     title : str
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> table = pd.DataFrame({"confidence": [0.5, 0.9], "right": [0.4, 0.9], "share": [0.3, 0.7]})
+    >>> reliability(table)
+    Chart()
     """
     given = dict(table) if isinstance(table, dict) else {"": table}
     chart = Chart(figsize=(5.2, 4.4), layout="constrained")

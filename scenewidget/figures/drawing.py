@@ -62,6 +62,14 @@ class Drawing:
         What the colours mean, if they are numbers.
     note : str
         What a reader should know, such as that the mesh is drawn simplified.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> drawing = draw(mesh)
+    >>> drawing.corners.shape, drawing.colors.dtype
+    ((8, 3, 3), dtype('uint8'))
     """
 
     corners: npt.NDArray[np.float32]
@@ -98,7 +106,15 @@ def draw(
     max_faces: int = 30_000,
     middle: FloatArray | None = None,
 ) -> Drawing:
-    """The drawing that `show` shows; parameters as there, and ``middle``: what becomes the origin."""
+    """The drawing that `show` shows; parameters as there, and ``middle``: what becomes the origin.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> draw(mesh, labels=[0, 0, 0, 0, 1, 1, 1, 1], title="halves")
+    Drawing(8 faces)
+    """
     if not isinstance(mesh, Mesh):
         raise TypeError(f"mesh must be a Mesh, got {type(mesh).__name__}; load_mesh(mesh) makes one")
     if sum(given is not None for given in (labels, values, colors)) > 1:
@@ -177,7 +193,14 @@ def draw(
 
 
 def lit(colors: ColorArray | FloatArray, normals: FloatArray) -> ColorArray:
-    """Colours under a light from the upper left front; what is turned away stays readable."""
+    """Colours under a light from the upper left front; what is turned away stays readable.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> lit(np.array([[200, 200, 200]]), np.array([[0.0, 0.0, 1.0]]))
+    array([[191, 191, 191]], dtype=uint8)
+    """
     facing = normals @ (LIGHT / np.linalg.norm(LIGHT))
     share = DARKEST + (1 - DARKEST) * (0.5 + 0.5 * facing)
     shaded: ColorArray = np.round(colors * share[..., None]).astype(np.uint8)
@@ -185,7 +208,15 @@ def lit(colors: ColorArray | FloatArray, normals: FloatArray) -> ColorArray:
 
 
 def corner_normals(corners: FloatArray, faces: IntArray | None, *, smooth: bool) -> FloatArray:
-    """(n_triangles, 3, 3) unit normal at each corner: the triangle's, or the mean at its vertex by area."""
+    """(n_triangles, 3, 3) unit normal at each corner: the triangle's, or the mean at its vertex by area.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> corner_normals(mesh.vertices[mesh.faces], mesh.faces, smooth=False)[0, 0]
+    array([0., 0., 1.])
+    """
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     if smooth and faces is not None:
         n = int(faces.max()) + 1
@@ -202,7 +233,15 @@ def corner_normals(corners: FloatArray, faces: IntArray | None, *, smooth: bool)
 
 
 def checked_labels(mesh: Mesh, labels: Any, name: str = "labels") -> IntArray:
-    """Labels of an array or a Segmentation, checked and made dense."""
+    """Labels of an array or a Segmentation, checked and made dense.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> checked_labels(mesh, [7, 7, 7, 7, 9, 9, -5, -5])
+    array([ 0,  0,  0,  0,  1,  1, -1, -1])
+    """
     array = np.asarray(getattr(labels, "labels", labels))
     if array.shape != (mesh.n_faces,):
         raise ValueError(f"{name} must have shape ({mesh.n_faces},), one a face, got {array.shape}")
@@ -236,7 +275,16 @@ def _checked_points(mesh: Mesh, points: npt.ArrayLike) -> IntArray:
 
 
 def at_most(mesh: Mesh, max_faces: int) -> tuple[Mesh, IntArray]:
-    """The mesh with at most about that many faces, and a face of the given mesh for each of its faces."""
+    """The mesh with at most about that many faces, and a face of the given mesh for each of its faces.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> ball = analytic.sphere(3)
+    >>> small, source = at_most(ball, 300)
+    >>> ball.n_faces, small.n_faces, source.shape
+    (1280, 300, (300,))
+    """
     if mesh.n_faces <= max_faces:
         return mesh, np.arange(mesh.n_faces)
     known = _simplified.setdefault(mesh, {})
@@ -250,7 +298,15 @@ def at_most(mesh: Mesh, max_faces: int) -> tuple[Mesh, IntArray]:
 
 
 def nearest_vertices(mesh: Mesh, drawn: Mesh) -> IntArray:
-    """(drawn.n_vertices,) nearest vertex of the given mesh."""
+    """(drawn.n_vertices,) nearest vertex of the given mesh.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> nearest_vertices(mesh, mesh)
+    array([0, 1, 2, 3, 4, 5, 6, 7, 8])
+    """
     if drawn is mesh:
         return np.arange(mesh.n_vertices)
     nearest: IntArray = cKDTree(mesh.vertices).query(drawn.vertices)[1]
@@ -264,7 +320,15 @@ def _corner_rows(mesh: Mesh, drawn: Mesh, source: IntArray, rows: FloatArray) ->
 
 
 def label_colors(labels: IntArray, rows: IntArray) -> ColorArray:
-    """(n_faces, 3) colours of the palette; grey where a label is negative."""
+    """(n_faces, 3) colours of the palette; grey where a label is negative.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> label_colors(np.array([0, -1]), np.array([5]))
+    array([[167, 209, 166],
+           [215, 215, 212]], dtype=uint8)
+    """
     table = np.concatenate([palette()[rows], [UNLABELED]])  # the last is for labels of -1
     colors: ColorArray = table[labels].astype(np.uint8)
     return colors

@@ -37,6 +37,15 @@ class Figure:
     ----------
     widget : ipywidgets.Widget
         What the browser shows, made on first use; put it in boxes with other widgets.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> from scenewidget.figures.drawing import draw
+    >>> figure = Figure([draw(mesh)], view=(0.0, 90.0))
+    >>> figure.png()[1:4]
+    b'PNG'
     """
 
     def __init__(

@@ -27,7 +27,16 @@ BAR_WIDTH, BAR_THICKNESS = 0.62, 9  # of the panel's width; pixels
 
 
 def png(drawings: Sequence[Drawing], *, view: tuple[float, float], width: int, height: int) -> bytes:
-    """A PNG of the drawings side by side, each width × height pixels with its title and colour bar around."""
+    """A PNG of the drawings side by side, each width × height pixels with its title and colour bar around.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> from scenewidget.figures.drawing import draw
+    >>> png([draw(mesh)], view=(-60.0, 30.0), width=80, height=60)[1:4]
+    b'PNG'
+    """
     from PIL import Image, ImageDraw
 
     top = TITLE_HEIGHT if any(drawing.title for drawing in drawings) else 0
@@ -57,7 +66,16 @@ def png(drawings: Sequence[Drawing], *, view: tuple[float, float], width: int, h
 
 
 def camera_for(drawings: Sequence[Drawing], view: tuple[float, float], aspect: float) -> Camera:
-    """The camera that has all that is seen of the drawings in its picture."""
+    """The camera that has all that is seen of the drawings in its picture.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> from scenewidget.figures.drawing import draw
+    >>> camera_for([draw(mesh)], (-60.0, 30.0), 1.5).azimuth
+    -60.0
+    """
     axes = Camera(float(view[0]), float(view[1]), 1.0).axes
     seen = []
     for drawing in drawings:
@@ -74,7 +92,13 @@ def camera_for(drawings: Sequence[Drawing], view: tuple[float, float], aspect: f
 
 
 def color_bar(scale: ColorScale, n: int) -> ColorArray:
-    """(n, 3) colours from the low end of the scale to the high one."""
+    """(n, 3) colours from the low end of the scale to the high one.
+
+    Examples
+    --------
+    >>> color_bar(ColorScale("viridis", 0.0, 1.0), 2).tolist()
+    [[68, 1, 84], [253, 231, 37]]
+    """
     return scale.colors(np.linspace(scale.low, scale.high, n))
 
 

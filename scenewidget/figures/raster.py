@@ -35,6 +35,11 @@ class Camera:
         Metres.
     target : (x, y, z)
         What it looks at.
+
+    Examples
+    --------
+    >>> Camera(azimuth=-60.0, elevation=30.0, distance=4.0)
+    Camera(azimuth=-60.0, elevation=30.0, distance=4.0, target=(0.0, 0.0, 0.0))
     """
 
     azimuth: float
@@ -103,6 +108,15 @@ def render(
     A sample is covered if it lies inside a triangle or on its border; of those at the same depth the last
     triangle wins, so what is drawn on a surface comes after it. Triangles that reach behind the camera are
     left out.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> corners = np.array([[[-1.0, -1, 0], [1, -1, 0], [0, 1, 0]]])
+    >>> red = np.tile(np.array([255, 0, 0], np.uint8), (1, 3, 1))
+    >>> image = render(corners, red, Camera(0.0, 90.0, 4.0), width=8, height=8)
+    >>> image.shape, image[4, 4].tolist()
+    ((8, 8, 3), [255, 0, 0])
     """
     n_x, n_y = width * supersampling, height * supersampling
     seen = (corners.astype(np.float64) - camera.position) @ camera.axes.T

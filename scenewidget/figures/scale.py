@@ -35,6 +35,14 @@ class ColorScale:
         Numbers at its ends; what lies beyond takes the colour of the end.
     title : str
         What the numbers are, with their unit.
+
+    Examples
+    --------
+    >>> scale = ColorScale("viridis", 0.0, 2.0, "height, m")
+    >>> scale.colors([0.0, 2.0, float("nan")]).tolist()
+    [[68, 1, 84], [253, 231, 37], [170, 170, 170]]
+    >>> scale.ticks()
+    ['0', '1', '2']
     """
 
     colormap: str
@@ -71,7 +79,14 @@ def color_scale(
     high: float | None = None,
     title: str = "",
 ) -> ColorScale:
-    """The scale for these values; ends and colour map that are not given come from them."""
+    """The scale for these values; ends and colour map that are not given come from them.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> color_scale(np.array([-1.0, 3.0]))
+    ColorScale(colormap='RdBu_r', low=-3.0, high=3.0, title='')
+    """
     finite = values[np.isfinite(values)]
     smallest = float(finite.min()) if finite.size else 0.0
     largest = float(finite.max()) if finite.size else 1.0

@@ -41,6 +41,15 @@ def low_pass(basis: Eigenbasis, values: FloatArray, n_functions: int) -> FloatAr
     values : (n_vertices, d) or (n_vertices,) float
     n_functions : int
         From 1 (the mean, on a connected mesh) to ``basis.k``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> basis = eigenbasis(mesh, 3)
+    >>> low_pass(basis, np.ones(mesh.n_vertices), 1).round(6)
+    array([1., 1., 1., 1., 1., 1., 1., 1., 1.])
     """
     phi = basis.vectors[:, :n_functions]
     weighted = basis.mass[:, None] * values if values.ndim == 2 else basis.mass * values
@@ -52,6 +61,14 @@ def heat_from(basis: Eigenbasis, vertex: int, time: float) -> FloatArray:
     """Heat at each vertex after a time, started as a unit at one: Σ_i exp(−λ_i t) φ_i(vertex) φ_i.
 
     A basis with few eigenpairs can't hold a sharp point: at short times there are ripples below 0.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(4)
+    >>> heat = heat_from(eigenbasis(mesh, 10), vertex=0, time=0.05)
+    >>> int(heat.argmax())
+    0
     """
     heat: FloatArray = basis.vectors @ (np.exp(-basis.values * time) * basis.vectors[vertex])
     return heat
@@ -94,14 +111,37 @@ class SpectralExplorer(widgets.VBox):
         The numbers on show.
     vertices : (n_vertices, 3) float64
         The shape on show.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> explorer = sw.SpectralExplorer(analytic.square(6), k=8)
+    >>> explorer
+    SpectralExplorer(72 faces, 8 eigenfunctions)
+    >>> explorer.mode = "heat"
+    >>> explorer.values.shape
+    (49,)
+    >>> explorer.close()
     """
 
     mode = traitlets.Enum(tuple(MODES), "eigenfunction")
+    """What is shown, see above."""
+
     index = traitlets.Int(1, min=0)
+    """Which eigenfunction; 0 is the constant one."""
+
     n_functions = traitlets.Int(20, min=1)
+    """How many eigenfunctions the low-pass shape is made of."""
+
     source = traitlets.Int(0, min=0)
+    """Vertex at which the heat starts."""
+
     time = traitlets.Float(1.0, min=0.0)
+    """How long the heat has spread: square metres (cotangent), steps (uniform)."""
+
     laplacian = traitlets.Enum(KINDS, "cotangent")
+    """Whose eigenfunctions these are."""
 
     def __init__(
         self,

@@ -24,6 +24,12 @@ def needles(starts: FloatArray, vectors: FloatArray, width: float) -> FloatArray
     starts, vectors : (n, 3) float
     width : float
         Radius of the foot, metres; at most an eighth of the length.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> needles(np.zeros((1, 3)), np.array([[0.0, 0.0, 2.0]]), width=0.1).shape
+    (3, 3, 3)
     """
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     keep = length[:, 0] > 0
@@ -41,7 +47,14 @@ def needles(starts: FloatArray, vectors: FloatArray, width: float) -> FloatArray
 
 
 def markers(places: FloatArray, radius: float) -> FloatArray:
-    """Octahedra around the places, (8 n, 3, 3)."""
+    """Octahedra around the places, (8 n, 3, 3).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> markers(np.zeros((2, 3)), radius=0.1).shape
+    (16, 3, 3)
+    """
     axes = radius * np.concatenate([np.eye(3), -np.eye(3)])
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
     corners: FloatArray = places[:, None, None] + axes[faces]
@@ -59,6 +72,13 @@ def ribbons(segments: Segments, normals: FloatArray, width: float, *, both_sides
         Metres.
     both_sides : bool
         A second strip behind the surface, for those that are seen from both sides.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> segments = np.array([[[0.0, 0, 0], [1, 0, 0]]]), np.array([0])
+    >>> ribbons(segments, np.array([[0.0, 0.0, 1.0]]), 0.1, both_sides=False).shape
+    (2, 3, 3)
     """
     ends, triangle = segments
     along = ends[:, 1] - ends[:, 0]
@@ -87,6 +107,14 @@ def isoline_segments(corners: FloatArray, values: FloatArray, levels: FloatArray
         At the corners. Triangles with a NaN are left out.
     levels : (n_levels,) float
         A corner exactly at a level counts as above it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    >>> ends, triangle = isoline_segments(corners, np.array([[0.0, 1.0, 1.0]]), np.array([0.5]))
+    >>> ends.tolist(), triangle.tolist()
+    ([[[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]]], [0])
     """
     found_ends, found_triangles = [], []
     for level in levels:
@@ -107,7 +135,16 @@ def isoline_segments(corners: FloatArray, values: FloatArray, levels: FloatArray
 
 
 def edge_segments(faces: IntArray, corners: FloatArray) -> Segments:
-    """Every edge once, in one of its triangles."""
+    """Every edge once, in one of its triangles.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> ends, triangle = edge_segments(mesh.faces, mesh.vertices[mesh.faces])
+    >>> len(ends)  # each of the edges once
+    16
+    """
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     key = np.minimum(start, end).astype(np.int64) * (int(faces.max()) + 1) + np.maximum(start, end)
     _, first = np.unique(key, return_index=True)

@@ -87,6 +87,14 @@ def show(
     Returns
     -------
     Figure
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> sw.figures.show(mesh, labels=[0, 0, 0, 0, 1, 1, 1, 1], title="halves")
+    Figure(1 panel)
     """
     drawing = draw(
         mesh, labels, values, vectors, colors=colors, points=points, title=title, scale_title=scale_title,
@@ -105,6 +113,15 @@ def side_by_side(figures: Sequence[Figure], *, width: int | None = None, height:
         The view is that of the first.
     width, height : int, optional
         Pixels of each panel; by default they share 840 pixels.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> figures = [sw.figures.show(mesh, values=mesh.vertices[:, axis]) for axis in range(2)]
+    >>> sw.figures.side_by_side(figures)
+    Figure(2 panels)
     """
     if not figures:
         raise ValueError("figures must hold at least one figure, got none")
@@ -128,6 +145,14 @@ def compare(a: Any, b: Any, mesh: Mesh, *, names: tuple[str, str] = ("a", "b"), 
         Titles of the two.
     **options
         Of `show`.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> sw.figures.compare([0, 0, 0, 0, 1, 1, 1, 1], [0, 0, 1, 1, 2, 2, 2, 2], mesh)
+    Figure(3 panels)
     """
     first, second = checked_labels(mesh, a, "a"), checked_labels(mesh, b, "b")
     n_first, n_second = int(first.max()) + 1, int(second.max()) + 1

@@ -32,13 +32,27 @@ DIGITS = 8  # of the fingerprint, in names of files
 
 
 def default_name(mesh: Mesh) -> str:
-    """Name of the project file of a scan: ``bedroom-1f3a9c02.swproj``."""
+    """Name of the project file of a scan: ``bedroom-1f3a9c02.swproj``.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> default_name(mesh).startswith("scan-")
+    True
+    """
     stem = re.sub(r"[^\w.-]+", "_", Path(mesh.source).stem).strip("._")[:60]
     return f"{stem or 'scan'}-{fingerprint(mesh).digest[:DIGITS]}{SUFFIX}"
 
 
 def spoken(problem: object) -> str:
-    """What a person reads of an error: its message as a sentence, without a number."""
+    """What a person reads of an error: its message as a sentence, without a number.
+
+    Examples
+    --------
+    >>> spoken(OSError(28, "no space left"))
+    'No space left'
+    """
     text = re.sub(r"^\[Errno \d+\] ", "", str(problem))
     return text[:1].upper() + text[1:]
 
@@ -47,6 +61,15 @@ def newest_project(mesh: Mesh, folder: Path) -> Summary | None:
     """The project of this mesh in a folder that was worked on last; None if there is none.
 
     Files that aren't projects, are damaged or of another mesh are passed over.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     newest_project(mesh, Path(folder)) is None
+    True
     """
     if not any(path.suffix == SUFFIX for path in _entries(folder)):
         return None  # the fingerprint of a large mesh takes a moment
@@ -74,6 +97,17 @@ class Autosave:
         The path given is a folder.
     ProjectError
         The path given holds the project of another mesh, or something else.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> import threading
+    >>> view = SceneView(mesh)
+    >>> autosave = Autosave(view, threading.RLock(), False, restore=print)
+    >>> view.save_state
+    ''
+    >>> view.close()
     """
 
     def __init__(

@@ -18,6 +18,11 @@ def bundled(name: str) -> str:
     ------
     FileNotFoundError
         It was not built.
+
+    Examples
+    --------
+    >>> "scenewidget" in bundled("scene_view.css")
+    True
     """
     path = STATIC / name
     if not path.is_file():

@@ -78,13 +78,36 @@ class Compare(widgets.VBox):
     ------
     TypeError, ValueError, MeshError, FileNotFoundError
         Something that can't be compared; nothing is computed.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> quarters = sw.Segmentation.from_labels(mesh, [0, 0, 1, 1, 2, 2, 3, 3])
+    >>> compare = sw.Compare(mesh, seg, quarters)
+    >>> compare.wait()
+    (Segmentation(8 faces, 2 segments, 100.0% labeled), Segmentation(8 faces, 4 segments, 100.0% labeled))
+    >>> compare
+    Compare(8 faces, 2 and 4 segments)
+    >>> compare.close()
     """
 
     a = traitlets.Union([traitlets.Instance(Params), traitlets.Instance(Segmentation)])
+    """What the left side shows."""
+
     b = traitlets.Union([traitlets.Instance(Params), traitlets.Instance(Segmentation)])
+    """What the right side shows."""
+
     segmentations: Any = traitlets.Tuple(read_only=True)
+    """Of both sides; empty until they are there."""
+
     scores: Any = traitlets.Dict(read_only=True)
+    """Measures by name, by "A and truth", "B and truth", "B and A"."""
+
     busy = traitlets.Bool(False, read_only=True)
+    """Whether something is being computed."""
 
     def __init__(
         self,

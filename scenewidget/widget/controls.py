@@ -34,43 +34,67 @@ class ParamsControls(anywidget.AnyWidget):
     ----------
     params : Params
 
-    Attributes
-    ----------
-    params : Params
-        As they are set.
-    code : str
-        Python that makes these parameters.
-    can_suggest : bool
-        Whether "Next suggestion" is offered.
-    can_rerun : bool
-        Whether "Segment again" is offered: the picture isn't what the settings say, after a cancel or an
-        error.
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> controls = ParamsControls(sw.Params(n_segments=20))
+    >>> controls.params.n_segments
+    20
+    >>> controls.close()
     """
 
     _esm = traitlets.Unicode().tag(sync=True)
     _css = traitlets.Unicode().tag(sync=True)
 
     params = traitlets.Instance(Params)
+    """As they are set."""
+
     can_rerun = traitlets.Bool(False).tag(sync=True)
+    """Whether "Segment again" is offered: after a cancel the picture isn't what the settings say."""
+
     can_suggest = traitlets.Bool(False).tag(sync=True)
+    """Whether "Next suggestion" is offered."""
+
+    # --- told by Python alone ---------------------------------------------------------------------
+
     code = traitlets.Unicode(read_only=True).tag(sync=True)
+    """Python that makes these parameters."""
 
     fields: Any = traitlets.List(read_only=True).tag(sync=True)
-    values = traitlets.Dict(read_only=True).tag(sync=True)  # of the options, as JSON
-    k_bounds: Any = traitlets.List(read_only=True).tag(sync=True)  # the k-range in force
-    idle = traitlets.Dict(read_only=True).tag(sync=True)  # why options have no effect, by name
-    problems = traitlets.Dict(read_only=True).tag(sync=True)  # what was wrong with the last value, by name
-    changed: Any = traitlets.List(read_only=True).tag(
-        sync=True
-    )  # names of options that differ from the preset
+    """The inputs, as `Setting.to_json` describes each."""
+
+    values = traitlets.Dict(read_only=True).tag(sync=True)
+    """Of the options, as JSON, by name."""
+
+    k_bounds: Any = traitlets.List(read_only=True).tag(sync=True)
+    """The k-range in force."""
+
+    idle = traitlets.Dict(read_only=True).tag(sync=True)
+    """Why options have no effect, by name."""
+
+    problems = traitlets.Dict(read_only=True).tag(sync=True)
+    """What was wrong with the last value, by name."""
+
+    changed: Any = traitlets.List(read_only=True).tag(sync=True)
+    """Names of the options that differ from the preset."""
+
     preset = traitlets.Unicode(read_only=True).tag(sync=True)
+    """Name of the preset that these parameters are nearest to."""
+
     presets: Any = traitlets.List(read_only=True).tag(sync=True)
-    family: Any = traitlets.List(read_only=True).tag(
-        sync=True
-    )  # fewest and most segments, those of the result
+    """Names of all presets."""
+
+    family: Any = traitlets.List(read_only=True).tag(sync=True)
+    """Fewest and most segments that granularity can choose, and how many the result has; empty = not yet."""
+
     scores: Any = traitlets.List(read_only=True).tag(sync=True)
-    revision = traitlets.Int(read_only=True).tag(sync=True)  # inputs are drawn anew when it grows
-    _channel = traitlets.Unicode().tag(sync=True)  # on which it speaks to the picture
+    """Rows of the comparison with the truth, see `scenewidget.widget.scores.score_rows`."""
+
+    revision = traitlets.Int(read_only=True).tag(sync=True)
+    """The inputs are drawn anew when it grows."""
+
+    _channel = traitlets.Unicode().tag(sync=True)
+    """On which it speaks to the picture."""
 
     def __init__(self, params: Params | None = None, **options: Any) -> None:
         self._on_move: Callable[[str, Params], None] | None = None

@@ -49,6 +49,24 @@ class EditCommands:
         None before the first segmentation.
     vocabulary : tuple of str or None
         Names to choose from, whatever a restored session says; None = the session's.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> from scenewidget.widget.autosave import Autosave
+    >>> import threading
+    >>> view, lock = SceneView(mesh, editable=True), threading.RLock()
+    >>> commands = EditCommands(view, lock, Autosave(view, lock, False, print), lambda: None)
+    >>> commands.take(seg, sw.Params())
+    0
+    >>> message = {"kind": "merge", "face": 0, "onto_face": 7, "level": "final"}
+    >>> commands.handle({**message, "revision": view.revision})
+    >>> commands.session.edits
+    [Merge(faces=(0,), onto_face=7, level='final')]
+    >>> view.close()
     """
 
     def __init__(

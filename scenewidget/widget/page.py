@@ -80,6 +80,12 @@ def make_page(
         Script and style sheet of the front end.
     title : str
         Of the page; any text.
+
+    Examples
+    --------
+    >>> page = make_page({"level": "final"}, {}, bundle="", style="", title="A room")
+    >>> "<title>A room</title>" in page
+    True
     """
     packed = {
         name: {

@@ -29,6 +29,18 @@ class Previewer:
     view : SceneView
     lock : RLock
         Held while the view changes.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> import threading
+    >>> view = SceneView(mesh)
+    >>> previewer = Previewer(sw.Pipeline(mesh), view, threading.RLock())
+    >>> previewer.wait()
+    True
+    >>> view.close()
     """
 
     def __init__(self, pipeline: Pipeline, view: SceneView, lock: threading.RLock) -> None:
@@ -107,6 +119,15 @@ def preview_params(pipeline: Pipeline, wanted: Params, shown: Params) -> Params:
         Where the thumb is.
     shown : Params
         Of the last result: its ensemble serves for another S, too.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> pipeline = sw.Pipeline(mesh)
+    >>> preview_params(pipeline, sw.Params(consensus="peac"), shown=sw.Params()).consensus
+    'linkage'
     """
     wanted = wanted.replace(granularity=None, relief=0.0, contrast=0.0)  # both are looked for on every face
     if wanted.consensus == "peac":  # takes seconds
@@ -119,7 +140,14 @@ def preview_params(pipeline: Pipeline, wanted: Params, shown: Params) -> Params:
 
 
 def coarser(params: Params) -> Params:
-    """The same with fewer runs, and of a simplified mesh with fewer faces."""
+    """The same with fewer runs, and of a simplified mesh with fewer faces.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> coarser(sw.Params(n_runs=20)).n_runs
+    6
+    """
     p = params
     middle = sorted(p.convex_weights)[len(p.convex_weights) // 2]
     return p.replace(

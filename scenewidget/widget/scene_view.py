@@ -63,11 +63,11 @@ class SceneView(anywidget.AnyWidget):
     Examples
     --------
     >>> import scenewidget as sw
-    >>> mesh, truth = sw.datasets.load_room()
-    >>> view = sw.SceneView(mesh, height=400)
-    >>> view.set_segments(truth.labels)
-    >>> view.color_by, view.n_segments == truth.n_segments
-    ('segments', True)
+    >>> from scenewidget.datasets import analytic
+    >>> view = sw.SceneView(analytic.square(2), height=400)
+    >>> view.set_segments([0, 0, 0, 0, 1, 1, 1, 1])
+    >>> view.color_by, view.n_segments
+    ('segments', 2)
     >>> view.close()
     """
 
@@ -359,14 +359,14 @@ class SceneView(anywidget.AnyWidget):
 
         Examples
         --------
-        >>> import numpy as np
         >>> import scenewidget as sw
-        >>> mesh, truth = sw.datasets.load_room()
-        >>> view = sw.SceneView(mesh)
-        >>> view.set_segments(truth.labels, levels={"truth": truth.labels}, names={0: "floor"})
-        >>> view.set_segments(np.where(truth.labels == 1, 0, truth.labels))  # an edit
-        >>> view.levels, view.revision
-        (['truth'], 2)
+        >>> from scenewidget.datasets import analytic
+        >>> view = sw.SceneView(analytic.square(2))  # 8 triangles
+        >>> halves = [0, 0, 0, 0, 1, 1, 1, 1]
+        >>> view.set_segments(halves, levels={"halves": halves}, names={0: "floor"})
+        >>> view.set_segments([0] * 8)  # an edit
+        >>> view.levels, view.n_segments, view.revision
+        (['halves'], 1, 2)
         >>> view.close()
         """
         if levels is not None and not isinstance(levels, Mapping):
@@ -401,11 +401,13 @@ class SceneView(anywidget.AnyWidget):
         Examples
         --------
         >>> import scenewidget as sw
-        >>> mesh, truth = sw.datasets.load_room()
-        >>> session, view = sw.Session(mesh, truth), sw.SceneView(mesh)
+        >>> from scenewidget.datasets import analytic
+        >>> mesh = analytic.square(2)  # 8 triangles
+        >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+        >>> session, view = sw.Session(mesh, seg), sw.SceneView(mesh)
         >>> view.show_snapshot(session.snapshot())
-        >>> view.n_segments == session.n_segments
-        True
+        >>> view.n_segments
+        2
         >>> view.close()
         """
         self._show_tables(
@@ -492,7 +494,13 @@ class SceneView(anywidget.AnyWidget):
         confidence: npt.ArrayLike | None = None,
         ids: IntArray | None = None,
     ) -> None:
-        """Old name of `set_segments` with ``levels``, until the next release."""
+        """Old name of `set_segments`, until the next release.
+
+        Parameters
+        ----------
+        levels, segments, names, confidence, ids
+            As there.
+        """
         _warn_of("set_partition(levels, segments)", "set_segments(segments, levels=levels)")
         if not isinstance(levels, Mapping):
             raise TypeError(f"levels must map names to labels, got {type(levels).__name__}")
@@ -510,7 +518,15 @@ class SceneView(anywidget.AnyWidget):
         atom_confidence: FloatArray | None = None,
         keeps_ids: bool = False,
     ) -> None:
-        """What `show_snapshot` shows, in pieces (atoms, parts, segments …), until the next release."""
+        """What `show_snapshot` shows, in pieces, until the next release.
+
+        Parameters
+        ----------
+        atoms, parts, segments, names, confidence, ids, atom_confidence
+            As in a `Snapshot`, names by segment.
+        keeps_ids : bool
+            As of `show_snapshot`.
+        """
         _warn_of("set_atoms(atoms, parts, segments)", "show_snapshot(session.snapshot())")
         self._show_tables(
             atoms, parts, segments, names=names, confidence=confidence, atom_confidence=atom_confidence,

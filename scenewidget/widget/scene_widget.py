@@ -95,12 +95,33 @@ class SceneWidget(widgets.VBox):
         The mesh can't be read or worked with; nothing is computed.
     ProjectError
         ``autosave`` names the project of another mesh.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> w = sw.SceneWidget(mesh, sw.Params(n_runs=2, n_graph_runs=2), autosave=False)
+    >>> w.wait()
+    Segmentation(8 faces, 1 segments, 100.0% labeled)
+    >>> w.session.relabel(0, "table").title
+    "Name 'table'"
+    >>> w.segmentation.names
+    ('table',)
+    >>> w.close()
     """
 
     params = traitlets.Instance(Params)
+    """What the segmentation is made with; another value computes again."""
+
     segmentation = _LiveSegmentation(Segmentation, allow_none=True, read_only=True)
+    """The last good result with the corrections made so far; None before the first."""
+
     busy = traitlets.Bool(False, read_only=True)
+    """Whether something is being computed."""
+
     scores: Any = traitlets.Dict(read_only=True)
+    """Measures of the present segments against the truth, by name; empty without one."""
 
     def __init__(
         self,

@@ -67,6 +67,17 @@ class Scorer:
     ------
     TypeError, ValueError
         It is no truth for this mesh; the message says why.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> from scenewidget.engine.atoms import common_refinement
+    >>> scorer, atoms = Scorer(mesh, seg), common_refinement([seg.labels], mesh.n_faces)
+    >>> scorer.scores(atoms, seg.labels[atoms.first_face])["rand_index_error"]
+    0.0
     """
 
     def __init__(self, mesh: Mesh, truth: Segmentation | IntArray) -> None:
@@ -107,6 +118,12 @@ def disagreement(a: IntArray, b: IntArray) -> npt.NDArray[np.uint8]:
     """(n_faces,) RIGHT where the segments of both sides are partners, WRONG elsewhere.
 
     UNKNOWN where neither side has a label; where one has, it is WRONG.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> disagreement(np.array([0, 0, 1, -1]), np.array([3, 3, 3, -1]))
+    array([1, 1, 2, 0], dtype=uint8)
     """
     n = int(b.max(initial=-1)) + 2
     values, of_face, count = np.unique(
@@ -121,7 +138,15 @@ def disagreement(a: IntArray, b: IntArray) -> npt.NDArray[np.uint8]:
 
 
 def score_rows(scores: Mapping[str, float], before: Mapping[str, float]) -> Sequence[dict[str, Any]]:
-    """What a person reads: name, number, a sentence, and whether it became better or worse."""
+    """What a person reads: name, number, a sentence, and whether it became better or worse.
+
+    Examples
+    --------
+    >>> now = dict.fromkeys(WORDS, 0.8)
+    >>> rows = score_rows(now, {"mean_iou": 0.7})
+    >>> rows[3]["text"], rows[3]["trend"]
+    ('0.8000', 'better')
+    """
     rows = []
     for key, (name, tip, form) in WORDS.items():
         text, old = f"{scores[key]:{form}}", before.get(key)

@@ -39,6 +39,18 @@ class SegmentColors:
         Row of the palette of each segment.
     sizes : (n_segments,) float64
         Number of faces of each segment.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> from scenewidget.engine.atoms import common_refinement
+    >>> colors, atoms = SegmentColors(mesh), common_refinement([seg.labels], mesh.n_faces)
+    >>> colors.update(atoms, seg.labels[atoms.first_face])
+    >>> len(colors.rows), len(colors.table_sent)
+    (2, 8)
     """
 
     def __init__(self, mesh: Mesh) -> None:
@@ -178,6 +190,16 @@ def conflicts(family: Family, pairs: IntArray) -> IntArray:
     ----------
     pairs : (n, 2) int
         Items that touch.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> folded = analytic.folded(analytic.square(8), "x", 0.5, 1.5)
+    >>> pipe = sw.Pipeline(folded)
+    >>> family = pipe.family(sw.Params(n_runs=2, n_graph_runs=2))
+    >>> conflicts(family, family.segmentation.items.pairs).shape[1]
+    2
     """
     ends = family.piece[pairs]
     ends = ends[(ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)]

@@ -24,7 +24,13 @@ FREE = ("n_segments", "granularity", "seed")  # belong to no preset: changing th
 
 @dataclass(frozen=True)
 class Setting:
-    """An input for one option."""
+    """An input for one option.
+
+    Examples
+    --------
+    >>> next(setting for setting in SETTINGS if setting.name == "n_segments").label
+    'Segments S'
+    """
 
     name: str
     label: str
@@ -154,7 +160,14 @@ SETTINGS: tuple[Setting, ...] = (
 
 
 def idle_reasons(params: Params) -> dict[str, str]:
-    """Why options have no effect under the present others, by name."""
+    """Why options have no effect under the present others, by name.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> idle_reasons(sw.Params(consensus="linkage"))["leftover"]
+    'Only PEAC leaves pieces over.'
+    """
     p, why = params, {}
     has_runs = p.n_runs > 0
     if p.consensus == "median" and (p.k_range is not None or not has_runs):
@@ -188,12 +201,26 @@ def idle_reasons(params: Params) -> dict[str, str]:
 
 
 def nearest_preset(params: Params) -> str:
-    """The preset that differs in fewest options."""
+    """The preset that differs in fewest options.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> nearest_preset(sw.Params.thesis(n_segments=30))
+    'Thesis'
+    """
     return min(PRESETS, key=lambda name: len(changes_from(name, params)))
 
 
 def changes_from(preset: str, params: Params) -> dict[str, Any]:
-    """Options that differ from a preset, those left aside that belong to none."""
+    """Options that differ from a preset, those left aside that belong to none.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> changes_from("Default", sw.Params(n_runs=5))
+    {'n_runs': 5}
+    """
     start = PRESETS[preset]
     return {
         name: getattr(params, name)
@@ -203,7 +230,14 @@ def changes_from(preset: str, params: Params) -> dict[str, Any]:
 
 
 def params_code(params: Params) -> str:
-    """Python that makes these parameters, as short as it can be."""
+    """Python that makes these parameters, as short as it can be.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> params_code(sw.Params(n_runs=5))
+    'sw.Params(n_runs=5)'
+    """
     preset = nearest_preset(params)
     start = PRESETS[preset]
     changed = {name: getattr(params, name) for name in _DEFAULTS}

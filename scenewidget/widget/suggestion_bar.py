@@ -26,6 +26,17 @@ class SuggestionBar:
     session : callable () -> Session or None
     remark : callable (str)
         Says something in the status line.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> import threading
+    >>> view = SceneView(mesh)
+    >>> bar = SuggestionBar(view, threading.RLock(), session=lambda: None, remark=print)
+    >>> bar.handle({"do": "next"})
+    There is nothing to suggest before the first result
+    >>> view.close()
     """
 
     def __init__(

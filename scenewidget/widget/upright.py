@@ -30,7 +30,13 @@ CLEARLY = 1.25  # how much better than z another axis must be, and how much more
 
 
 def checked_up(up: Any) -> str | tuple[float, float, float]:
-    """A name as it is, a vector as a tuple; ValueError if it is neither."""
+    """A name as it is, a vector as a tuple; ValueError if it is neither.
+
+    Examples
+    --------
+    >>> checked_up("-y"), checked_up([0, 0, 2])
+    ('-y', (0.0, 0.0, 2.0))
+    """
     if isinstance(up, str) and (up == "auto" or up in AXES):
         return up
     try:
@@ -50,6 +56,13 @@ def detect_up(mesh: Mesh) -> str:
     the axis is the one with most area facing along it (within 20 degrees) per metre of extent. Of its two
     ends, up is where more area faces: table tops are scanned, their undersides aren't. Whatever isn't +z must
     win clearly. A tilted scan, an object or a detail of a wall doesn't tell; then say it.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> detect_up(mesh)
+    'z'
     """
     some = slice(None, None, max(1, mesh.n_faces // N_SAMPLED))
     a, b, c = np.moveaxis(mesh.vertices[mesh.faces[some]], 1, 0)

@@ -27,6 +27,11 @@ def checked_timeout(timeout: object) -> float | None:
     ------
     TypeError, ValueError
         Something else; the message says ``timeout``.
+
+    Examples
+    --------
+    >>> checked_timeout(2), checked_timeout(None)
+    (2.0, None)
     """
     if timeout is None:
         return None
@@ -41,6 +46,14 @@ class Newest:
     """Runs tasks off the main thread; of those that come while one runs, only the last is run next.
 
     Unlike a `Worker`, it never stops what runs: for short tasks whose every answer is worth having.
+
+    Examples
+    --------
+    >>> runner = Newest("example")
+    >>> done = []
+    >>> runner.submit(lambda: done.append("one"))
+    >>> runner.wait(), done
+    (True, ['one'])
     """
 
     def __init__(self, name: str) -> None:
@@ -103,6 +116,14 @@ class Worker:
     on_error : callable (exception)
     on_cancelled : callable ()
         Called only when `cancel` was asked for, not when a newer task took over.
+
+    Examples
+    --------
+    >>> found = []
+    >>> worker = Worker(on_progress=print, on_done=found.append, on_error=print, on_cancelled=print)
+    >>> worker.submit(lambda progress, cancel: 6 * 7)
+    >>> worker.wait(), found
+    (True, [42])
     """
 
     def __init__(

@@ -92,6 +92,18 @@ def export(
         An unknown format, or a segmentation of another mesh.
     OSError
         The file can't be written; the old one is untouched.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> [path.name for path in sw.export(seg, mesh, f"{folder.name}/square.ply")]
+    ['square.ply']
+    >>> folder.cleanup()
     """
     if not isinstance(segmentation, Segmentation):
         raise TypeError(f"segmentation must be a Segmentation, got {type(segmentation).__name__}")
@@ -141,6 +153,19 @@ def import_labels(
     FileNotFoundError
     FormatError
         Damaged, not of this mesh, or without labels. A ValueError.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)  # 8 triangles
+    >>> seg = sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 1, 1, 1, 1])
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> written = sw.export(seg, mesh, f"{folder.name}/square.glb")
+    >>> sw.import_labels(mesh, written[0]).labels
+    array([0, 0, 0, 0, 1, 1, 1, 1], dtype=int32)
+    >>> folder.cleanup()
     """
     mesh = load_mesh(mesh)
     source = checked_path(path)

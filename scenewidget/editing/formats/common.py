@@ -26,7 +26,13 @@ __all__ = [
 
 
 class FormatError(ValueError):
-    """A label file that is damaged, of another mesh, or without labels."""
+    """A label file that is damaged, of another mesh, or without labels.
+
+    Examples
+    --------
+    >>> issubclass(FormatError, ValueError)
+    True
+    """
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +55,13 @@ def write_bytes(path: Path, *chunks: bytes | memoryview) -> None:
 
 
 def clean_name(value: Any) -> str:
-    """A segment's name out of a file, without what no name may hold."""
+    r"""A segment's name out of a file, without what no name may hold.
+
+    Examples
+    --------
+    >>> clean_name(" chair\x07 ")
+    'chair'
+    """
     text = "".join(c for c in str(value) if unicodedata.category(c) not in ("Cc", "Cs"))
     return unicodedata.normalize("NFC", text).strip()[:MAX_NAME].strip()
 
