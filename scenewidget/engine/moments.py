@@ -114,5 +114,5 @@ def mean_normals(vectors: FloatArray, group: IntArray, n_groups: int) -> FloatAr
 
 
 def moment_origin(mesh: Mesh) -> FloatArray:
-    """(3,) centre of the bounding box of the faces, metres."""
+    """(3,) centre of the bounding box of the faces of a mesh, metres."""
     return np.asarray(0.5 * (mesh.bounds[0] + mesh.bounds[1]))
