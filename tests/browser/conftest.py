@@ -28,6 +28,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cells import LABELLED
 from editing_page import WIDGET, Editor
 from PIL import Image
 
@@ -121,6 +122,8 @@ EXECUTION_COUNTS = """() => window.jupyterapp.shell.currentWidget?.content?.widg
 HARMLESS = ("favicon", "ResizeObserver loop")  # a host's own remarks
 VOILA_TROUBLES = ("ERR_NAME_NOT_RESOLVED", "ERR_INTERNET_DISCONNECTED", "shared module")  # and those of Voila
 HAS_FAILED = pytest.StashKey[bool]()
+TITLE = "</title><script>window.harm = 1</script>"
+NAMES = {0: "</script><script>window.harm = 2</script>", 1: "ceiling & <b>lamp</b>"}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -310,6 +313,45 @@ def editor(notebook):
     book.run_all()
     yield Editor(book)
     assert book.errors == []
+
+
+@pytest.fixture
+def page(profile: Any) -> Iterator[Any]:
+    """A page without a network."""
+    page = profile.new_page()
+    session = profile.new_cdp_session(page)
+    session.send("Network.enable")
+    session.send(
+        "Network.emulateNetworkConditions",
+        {"offline": True, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1},
+    )
+    yield page
+    page.close()
+
+
+@pytest.fixture
+def saved(page: Any, tmp_path: Path) -> Iterator[View]:
+    """The labelled room as a page, opened from disk."""
+    scope: dict[str, Any] = {}
+    exec(LABELLED, scope)
+    view = scope["view"]
+    sure = [0.5, 0.75, 1, 0.125, 0.25, 0.625]
+    view.set_segments(scope["surfaces"], names=NAMES, confidence=sure)
+    view.editable, view.mode, view.busy, view.error = True, "edit", True, "wrong"
+    path = view.to_html(tmp_path / "room.html", title=TITLE)
+    assert path.stat().st_size < 1_000_000
+    page.set_viewport_size({"width": 1000, "height": 640})
+    errors, requests = errors_of(page), []
+    page.on("request", lambda request: requests.append(request.url))
+    page.goto(path.as_uri())
+    root = page.locator(".scenewidget")
+    root.wait_for()
+    shown = View(page, root)
+    shown.wait("ready", "true")
+    shown.settle()
+    yield shown
+    assert errors == []
+    assert [url for url in requests if not url.startswith(("file:", "blob:", "data:"))] == []
 
 
 @dataclass

@@ -4,53 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cells import LABELLED
-from conftest import View, errors_of
+from conftest import NAMES, TITLE
 from test_view import colors
 
 import scenewidget as sw
-
-TITLE = "</title><script>window.harm = 1</script>"
-NAMES = {0: "</script><script>window.harm = 2</script>", 1: "ceiling & <b>lamp</b>"}
-
-
-@pytest.fixture
-def page(profile):
-    """A page without a network."""
-    page = profile.new_page()
-    session = profile.new_cdp_session(page)
-    session.send("Network.enable")
-    session.send(
-        "Network.emulateNetworkConditions",
-        {"offline": True, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1},
-    )
-    yield page
-    page.close()
-
-
-@pytest.fixture
-def saved(page, tmp_path):
-    """The labelled room as a page, opened from disk."""
-    scope = {}
-    exec(LABELLED, scope)
-    view = scope["view"]
-    sure = [0.5, 0.75, 1, 0.125, 0.25, 0.625]
-    view.set_segments(scope["surfaces"], names=NAMES, confidence=sure)
-    view.editable, view.mode, view.busy, view.error = True, "edit", True, "wrong"
-    path = view.to_html(tmp_path / "room.html", title=TITLE)
-    assert path.stat().st_size < 1_000_000
-    page.set_viewport_size({"width": 1000, "height": 640})
-    errors, requests = errors_of(page), []
-    page.on("request", lambda request: requests.append(request.url))
-    page.goto(path.as_uri())
-    root = page.locator(".scenewidget")
-    root.wait_for()
-    shown = View(page, root)
-    shown.wait("ready", "true")
-    shown.settle()
-    yield shown
-    assert errors == []
-    assert [url for url in requests if not url.startswith(("file:", "blob:", "data:"))] == []
 
 
 def test_it_shows_what_was_saved_and_names_do_no_harm(saved):

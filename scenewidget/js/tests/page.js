@@ -146,7 +146,8 @@ export class PageElement extends PageNode {
     return globalThis.document;
   }
   getBoundingClientRect() {
-    return { left: 0, top: 0, width: this.clientWidth, height: this.clientHeight };
+    const { clientWidth: width, clientHeight: height } = this;
+    return { left: 0, top: 0, width, height };
   }
 
   /** @param {string} selectors  tags, classes and attributes; no combinations */

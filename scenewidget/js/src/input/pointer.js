@@ -1,5 +1,7 @@
 /** Events of mouse, pen and finger on the picture, as gestures take them. */
 
+import { placeOn } from "./place.js";
+
 /** @typedef {import("./gestures.js").Place} Place */
 /** @typedef {import("./gestures.js").PointerEventLike} PointerEventLike */
 
@@ -19,11 +21,7 @@ export function listenToPointer({ model, view, root, canvas, hand, aim, signal }
   let holdTimer = 0;
   const hold = () => hand.feed({ type: "hold", id: -1, x: 0, y: 0 });
 
-  /** @param {MouseEvent} event */
-  const placeOf = (event) => {
-    const box = canvas.getBoundingClientRect();
-    return { x: event.clientX - box.left, y: event.clientY - box.top };
-  };
+  const placeOf = (/** @type {MouseEvent} */ event) => placeOn(canvas, event);
   /** Whether the pointer is on the picture, not on a button over it or beside it. @param {PointerEvent} event */
   const isOnCanvas = (event) => {
     const page = /** @type {Document | ShadowRoot} */ (root.getRootNode());

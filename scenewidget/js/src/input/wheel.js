@@ -1,5 +1,7 @@
 /** The wheel zooms, unless it is scrolling the page: a scroll that began outside goes on doing so. */
 
+import { placeOn } from "./place.js";
+
 const SCROLL_PAUSE_MS = 200;
 const LINE = 16; // pixels
 const MOST = 0.5; // of one event
@@ -19,9 +21,7 @@ export function listenToWheel({ canvas, send, signal }) {
     }
     event.preventDefault();
     event.stopPropagation();
-    const box = canvas.getBoundingClientRect();
-    const place = { x: event.clientX - box.left, y: event.clientY - box.top };
-    send({ kind: "zoom", factor: zoomFactor(event), ...place });
+    send({ kind: "zoom", factor: zoomFactor(event), ...placeOn(canvas, event) });
   };
   window.addEventListener("wheel", onWheel, { signal, passive: false, capture: true });
 }

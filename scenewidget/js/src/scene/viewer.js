@@ -245,6 +245,7 @@ export class Viewer {
   /** @param {number} width @param {number} height  CSS pixels */
   resize(width, height) {
     this.size = { width, height };
+    this.snapshot = null; // its places were others
     if (width < 1 || height < 1) return;
     this.renderer.resize(width, height, Math.min(2, devicePixelRatio || 1));
     if (this.mesh && this.sample && !this.isPlaced) {

@@ -8,6 +8,7 @@ openPage();
 function fake() {
   const [root, canvas] = [new PageElement("div"), new PageElement("canvas")];
   root.append(canvas);
+  canvas.clientWidth = canvas.clientHeight = 100;
   /** @type {any} */ (document).under = canvas;
   /** @type {any[]} */
   const fed = [];
