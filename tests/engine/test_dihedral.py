@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from strategies import clean_meshes, messy_meshes
 
 from scenewidget.engine import dihedral
-from scenewidget.engine.dihedral import dihedral_partition
+from scenewidget.engine.dihedral import _place_in_slots, dihedral_partition
 from scenewidget.engine.mesh import Mesh, connected_components, face_adjacency
 from scenewidget.engine.monitor import Cancelled, Monitor
 
@@ -86,6 +86,48 @@ def test_a_hand_worked_example():
     np.testing.assert_allclose(mesh.face_normals[1:] @ mesh.face_normals[0], [0, 0, 0.5], atol=1e-15)
     np.testing.assert_array_equal(dihedral_partition(mesh, 4), [0, 0, 0, 0])
     np.testing.assert_array_equal(dihedral_partition(mesh, 64), [0, 0, 0, 1])
+
+
+def test_slots_are_equal_steps_of_the_dot_product_or_of_the_angle():
+    angles = np.radians([0, 45, 60, 90, 120, 180])
+    dots = np.cos(angles)
+    np.testing.assert_allclose(_place_in_slots(dots, 8, "linear"), 4 * (dots + 1))
+    np.testing.assert_allclose(_place_in_slots(dots, 18, "angle"), [18, 13.5, 12, 9, 6, 0], atol=1e-12)
+
+
+@given(st.lists(st.floats(-1, 1), min_size=1, max_size=200), st.integers(2, 12))
+def test_slots_by_counts_hold_as_many_each(dots, n_slots):
+    dots = np.array(dots)
+    place = _place_in_slots(dots, n_slots, "counts")
+    assert ((place >= 0) & (place <= n_slots)).all()
+    order = np.argsort(dots)
+    assert (np.diff(place[order]) >= 0).all()
+    if len(np.unique(np.rint(1e8 * dots))) == len(dots):  # all differ: a slot has n / D of them, or one more
+        held = np.bincount(np.minimum(place.astype(int), n_slots - 1), minlength=n_slots)
+        assert held.max() - held.min() <= 1
+
+
+def test_equal_dot_products_share_a_slot_whatever_rounding_made_of_them():
+    dots = np.array([1.0, 1.0 - 1e-16, 1.0 - 2e-16, 0.0, 1e-17, -1e-17])
+    place = _place_in_slots(dots, 64, "counts")
+    assert len(np.unique(place)) == 2
+
+
+def test_a_finer_look_at_flat_angles_parts_what_equal_steps_of_the_dot_product_join():
+    # Strips of a polygon with folds of 5°, then a fold of 12°: dot products .9962 and .9781 both lie in the
+    # last of 64 slots, [.96875, 1]. A slot of angle is 2.8° wide: 5° lies in [2.8°, 5.6°], 12° doesn't.
+    folds = np.radians([5, 5, 5, 12, 5, 5, 5])
+    heading = np.concatenate([[0], np.cumsum(folds)])
+    path = np.concatenate([[[0, 0]], np.cumsum(np.stack([np.cos(heading), np.sin(heading)], 1), axis=0)])
+    low = np.column_stack([path, np.zeros(len(path))])
+    vertices, faces = np.concatenate([low, low + np.array([0, 0, 9])]), []
+    n = len(path)
+    for i in range(n - 1):
+        faces += [(i, i + 1, n + i + 1), (i, n + i + 1, n + i)]
+    mesh = Mesh(vertices, faces)
+    assert dihedral_partition(mesh, order="index").max() == 0
+    assert dihedral_partition(mesh, mapping="angle")[:8].tolist() != dihedral_partition(mesh)[:8].tolist()
+    assert dihedral_partition(mesh, mapping="angle").max() > 0
 
 
 def test_ties_are_broken_by_further_rings():
