@@ -15,7 +15,7 @@ from scenewidget.engine.mesh import FloatArray, IntArray
 
 __all__ = ["Allocation", "allocate", "component_shares"]
 
-Allocation = Literal["dihedral", "faces", "same"]
+Allocation = Literal["dihedral", "faces", "same", "raw"]
 
 
 def component_shares(items: Items, dihedral: IntArray, allocation: Allocation = "dihedral") -> FloatArray:
@@ -25,10 +25,11 @@ def component_shares(items: Items, dihedral: IntArray, allocation: Allocation = 
     ----------
     items : Items
     dihedral : (items.mesh.n_faces,) int32
-        `dihedral_partition` of the items' mesh.
+        `dihedral_partition` of the items' mesh; for "raw" that of the mesh as loaded, (n_raw_faces,).
     allocation : str
         By the number of "dihedral" partitions, which tells how much there is to segment; by "faces", which
-        here are the items; or the "same" for each: all of it.
+        here are the items; or the "same" for each: all of it. "raw" counts the dihedral partitions of the
+        mesh as loaded, which is denser and less noisy than a simplified one (chapter 5).
 
     Returns
     -------
@@ -42,11 +43,10 @@ def component_shares(items: Items, dihedral: IntArray, allocation: Allocation = 
     if allocation == "faces":
         count = np.bincount(component, minlength=n)
     else:
-        keep = items.item_of_face >= 0
-        home = np.zeros(int(dihedral.max()) + 1, dtype=np.int64)
-        home[dihedral[keep]] = component[items.item_of_face[keep]] + 1
-        count = np.bincount(home, minlength=n + 1)[1:]
-        count = np.maximum(count, 1)
+        item = items.face_map if allocation == "raw" else items.item_of_face
+        keep = item >= 0
+        homes = np.unique(dihedral[keep].astype(np.int64) * n + component[item[keep]])
+        count = np.maximum(np.bincount(homes % n, minlength=n), 1)
     return np.asarray(count / count.sum())
 
 

@@ -296,7 +296,7 @@ def peac_by_component(
     co: CoAssociation,
     component: IntArray,
     share: FloatArray,
-    n_segments: int,
+    n_segments: int | Literal["auto"],
     *,
     trees: Sequence[FloatArray],
     leftover: Leftover = "alone",
@@ -312,8 +312,11 @@ def peac_by_component(
         From 0.
     share : (n_components,) float64
         Of `allocation.component_shares`.
-    n_segments : int
-        S.
+    n_segments : int or "auto"
+        S, shared out as ``share`` says; "auto" takes in each component the number of clusters of its
+        `median_partition`. That minimises the same distance to the runs (Eq. 3.11) over partitions into any
+        number of clusters, and so needs none: Gionis, Mannila and Tsaparas (2007), ACM TKDD 1(1); Goder and
+        Filkov (2008), ALENEX.
     trees : sequence of (n_base − 1, 4) float64
         Of `component_trees`.
     leftover : str
@@ -336,7 +339,10 @@ def peac_by_component(
     labels: IntArray
     offset, left, unsolved = 0, 0.0, 0
     members = co.within(component)
-    counts = allocate(n_segments, share, np.array([len(inside) for inside in members]))
+    if n_segments == "auto":
+        counts = np.array([_natural_number(co, inside, seed) for inside in members])
+    else:
+        counts = allocate(n_segments, share, np.array([len(inside) for inside in members]))
     for c, (inside, count) in enumerate(zip(members, counts, strict=True)):
         weights = co.weights[inside]
         if count <= 1 or len(inside) == 1 or not weights.sum() > 0:
@@ -362,6 +368,14 @@ def peac_by_component(
             "on the seed more than they should; try another seed, or consensus='linkage'"
         )
     return out
+
+
+def _natural_number(co: CoAssociation, inside: IntArray, seed: int) -> int:
+    """Clusters of the median partition of some base segments."""
+    weights = co.weights[inside]
+    if not weights.sum() > 0:
+        return 1
+    return int(median_partition(co.among(inside), weights / weights.sum(), seed=seed).max()) + 1
 
 
 def settle_leftovers(

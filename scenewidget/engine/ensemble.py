@@ -17,7 +17,7 @@ from scenewidget.engine.allocation import allocate
 from scenewidget.engine.distances import edge_costs
 from scenewidget.engine.felzenszwalb import felzenszwalb
 from scenewidget.engine.items import Items
-from scenewidget.engine.kmedoids import Init, alternate, initial_medoids
+from scenewidget.engine.kmedoids import Init, Ties, alternate, initial_medoids
 from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
 from scenewidget.engine.monitor import SILENT, Monitor
 
@@ -32,6 +32,7 @@ def k_medoids_members(
     k_range: tuple[int, int],
     n_runs: int,
     init: Init = "random",
+    ties: Ties = "stay",
     merge: dict[str, float] | None = None,
     seed: int = 0,
     n_threads: int = 2,
@@ -49,7 +50,7 @@ def k_medoids_members(
         Of `allocation.component_shares`.
     k_range : (least, most)
     n_runs : int
-    init : str
+    init, ties : str
         See `kmedoids.k_medoids`.
     merge : dict, optional
         Thresholds of `merge_flat`; None merges nothing.
@@ -83,7 +84,7 @@ def k_medoids_members(
                 block = D if len(members) == 1 else np.ascontiguousarray(D[np.ix_(inside, inside)])
                 child = np.random.SeedSequence(int(rng.integers(2**63)))
                 medoids.append(inside[initial_medoids(block, int(count), init=init, seed=child)])
-        labels = alternate(D, np.concatenate(medoids).astype(np.int32)).labels
+        labels = alternate(D, np.concatenate(medoids).astype(np.int32), ties).labels
         return labels if merge is None else merge_flat(items, labels, **merge)
 
     return _collect(run, n_runs, items.n, n_threads, monitor)

@@ -16,7 +16,8 @@ from typing import Any, Literal, TypeVar, get_args
 from scenewidget.engine.allocation import Allocation
 from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.consensus import Leftover
-from scenewidget.engine.kmedoids import Init
+from scenewidget.engine.dihedral import SlotMapping
+from scenewidget.engine.kmedoids import Init, Ties
 from scenewidget.engine.orientation import Orientation
 from scenewidget.engine.preprocess import Simplifier
 
@@ -32,6 +33,8 @@ CHOICES: dict[str, tuple[Any, ...]] = {  # what options that are one of a few wo
     "simplifier": get_args(Simplifier),
     "orientation": get_args(Orientation),
     "feature": get_args(Feature),
+    "slot_mapping": get_args(SlotMapping),
+    "medoid_ties": get_args(Ties),
     "laplacian": ("cotangent", "robust"),
     "dihedral_order": ("index", "area"),
     "allocation": get_args(Allocation),
@@ -44,6 +47,7 @@ _RANGES: dict[str, tuple[float, float]] = {  # inclusive
     "filter_sweeps": (0, 1_000),
     "bridge": (0, math.inf),
     "n_slots": (2, 100_000),
+    "tolerance": (0, math.inf),
     "n_eigenpairs": (1, 1_000),
     "feature_floor": (0, math.inf),
     "cost_a": (-math.inf, math.inf),
@@ -102,9 +106,10 @@ class Params:
     n_segments : int or "auto"
         S, the number of segments aimed at. With ``consensus="peac"`` the number of rows of Y, shared out
         over the components; the result has more where columns stay alone or are cut into connected
-        pieces. With "linkage" the tree is cut where it has that many clusters of at least 0.1 % of the
-        area (smaller ones come on top), and "auto" cuts it at ``linkage_similarity``. "median" needs
-        no number and ignores it.
+        pieces; "auto" gives each component as many as its median partition has clusters, the partition that
+        agrees most with the runs whatever its number (see `consensus.peac_by_component`). With "linkage" the
+        tree is cut where it has that many clusters of at least 0.1 % of the area (smaller ones come on top),
+        and "auto" cuts it at ``linkage_similarity``. "median" needs no number and ignores it.
     k_range : (int, int), optional
         Least and most clusters of a k-medoids run. None means (2S, 2.5S) (thesis 4.2);
         with "auto" (100, 125).
@@ -120,7 +125,14 @@ class Params:
     n_items : int
         Most items. Thesis: 10 000.
     simplifier : str
-        "fast" or "qslim"; see `preprocess.simplify`.
+        "fast" or "qslim", both by quadric error metrics; see `preprocess.simplify`. The thesis took Garland's
+        QSlim; `thesis` takes "fast", and says why.
+    drop_torn : bool
+        Whether connected pieces below 1 % of the simplified faces are dropped though they come from a
+        larger component that the simplifier tore, to the letter of the thesis; see `preprocess.simplify`.
+    tolerance : float
+        Faces of the scan that lie farther from the simplified mesh than this share of the root of its mean
+        face area stay unlabeled.
     orientation : str
         Which side is free space: "auto", "as given" or "turned"; see `orientation.oriented`.
     filter_sweeps : int
@@ -129,6 +141,9 @@ class Params:
         Fragments this close (metres) are neighbours, superfacets only.
     n_slots : int
         D of the dihedral-based partitioning (thesis 3.1).
+    slot_mapping : str
+        Whether these are equal steps of the dot product ("linear"), of the "angle", or hold equal "counts"
+        of pairs. Thesis: "linear".
     dihedral_order : str
         In which order its seeds are taken: "index" or "area" of the faces.
     laplacian : str
@@ -148,9 +163,13 @@ class Params:
         Felzenszwalb runs at random thresholds that join the ensemble. Thesis: 0.
     init : str
         Initial medoids; see `kmedoids.k_medoids`.
+    medoid_ties : str
+        Which of several members with the least sum of distances becomes the medoid: "first", or "stay" where
+        it is; see `kmedoids.k_medoids`. Thesis: "first".
     allocation : str
         How k and S are shared out over components: by "dihedral" partitions, by "faces" (items), or the
-        "same" for each (thesis 3.1 names all three).
+        "same" for each (thesis 3.1 names all three); or by the dihedral partitions of the "raw" mesh
+        (its chapter 5 expects more of them).
     merge : bool
         Whether runs are merged over planes before they join the ensemble (thesis: yes).
     merge_flatness, merge_normal, merge_seam : float
@@ -190,10 +209,13 @@ class Params:
     items: ItemKind = "superfacets"
     n_items: int = 6_000
     simplifier: Simplifier = "fast"
+    drop_torn: bool = False
+    tolerance: float = 2.0
     orientation: Orientation = "auto"
     filter_sweeps: int = 30
     bridge: float = 0.06
     n_slots: int = 64
+    slot_mapping: SlotMapping = "linear"
     dihedral_order: Literal["index", "area"] = "index"
     laplacian: Literal["cotangent", "robust"] = "cotangent"
     n_eigenpairs: int = 50
@@ -203,6 +225,7 @@ class Params:
     n_runs: int = 30
     n_graph_runs: int = 60
     init: Init = "random"
+    medoid_ties: Ties = "stay"
     allocation: Allocation = "dihedral"
     merge: bool = False
     merge_flatness: float = 0.008
@@ -246,6 +269,7 @@ class Params:
             "convex_weights": (1.0,),
             "n_runs": 50,
             "n_graph_runs": 0,
+            "medoid_ties": "first",
             "merge": True,
             "consensus": "peac",
             "join_planes": False,
@@ -284,7 +308,7 @@ class Params:
                 options = ", ".join(map(repr, CHOICES[name]))
                 raise ValueError(f"{name} must be one of {options}, got {value!r}")
             return value
-        if name in ("merge", "join_planes"):
+        if name in ("merge", "join_planes", "drop_torn"):
             if not isinstance(value, bool):
                 raise TypeError(f"{name} must be True or False, got {value!r}")
             return value

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -40,7 +40,7 @@ from scenewidget.engine.features import (
 )
 from scenewidget.engine.finish import Finished, finish, tidied
 from scenewidget.engine.items import Items, simplified_items, superfacet_items
-from scenewidget.engine.kmedoids import Init
+from scenewidget.engine.kmedoids import Init, Ties
 from scenewidget.engine.linkage import average_linkage, cut_by_count, cut_tree
 from scenewidget.engine.memo import Recall
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, face_adjacency
@@ -56,6 +56,7 @@ TITLES = {  # what people read while a step runs
     "adjacency": "Finding neighbouring faces",
     "items": "Gathering faces into items",
     "dihedral": "Partitioning by dihedral angle",
+    "raw_dihedral": "Partitioning the scan by dihedral angle",
     "allocation": "Sharing out clusters over components",
     "eigenbasis": "Solving for eigenfunctions",
     "features": "Computing features",
@@ -141,9 +142,14 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
              orientation=p.orientation, n_items=p.n_items, sweeps=p.filter_sweeps, bridge=p.bridge)
     else:
         step("items", _simplified, "mesh", "adjacency", variant="simplified",
-             orientation=p.orientation, n_faces=p.n_items, simplifier=p.simplifier)
-    step("dihedral", _dihedral, "items", n_slots=p.n_slots, order=p.dihedral_order)
-    step("allocation", _allocation, "items", "dihedral", allocation=p.allocation)
+             orientation=p.orientation, n_faces=p.n_items, simplifier=p.simplifier,
+             drop_torn=p.drop_torn, tolerance=p.tolerance)
+    slots: dict[str, Any] = {"n_slots": p.n_slots, "mapping": p.slot_mapping, "order": p.dihedral_order}
+    step("dihedral", _dihedral, "items", **slots)
+    if p.allocation == "raw":
+        step("raw_dihedral", _raw_dihedral, "mesh", **slots)
+    counted = "raw_dihedral" if p.allocation == "raw" else "dihedral"
+    step("allocation", _allocation, "items", counted, allocation=p.allocation)
 
     is_spectral, has_features = p.feature in SIGNATURES, p.feature != "normals"
     if is_spectral or also == "eigenbasis":
@@ -160,7 +166,7 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
         step("graph_runs", _graph_runs, "items",
              n_runs=p.n_graph_runs, exponent=p.cost_exponent, hop=p.hop, seed=p.seed)
     step("ensemble", _ensemble, "items", "distances", "allocation", *["graph_runs"] * bool(p.n_graph_runs),
-         k_range=p.k_bounds, n_runs=p.n_runs, init=p.init, seed=p.seed,
+         k_range=p.k_bounds, n_runs=p.n_runs, init=p.init, ties=p.medoid_ties, seed=p.seed,
          merge=(p.merge_flatness, p.merge_normal, p.merge_seam) if p.merge else None)
 
     step("coassociation", _coassociation, "items", "ensemble")
@@ -173,8 +179,7 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
     else:
         step("trees", _trees, "coassociation", "items")
         step("consensus", _consensus_by_peac, "coassociation", "items", "allocation", "trees", variant="peac",
-             n_segments=p.k_bounds[0] // 2 if p.n_segments == "auto" else p.n_segments,
-             leftover=p.leftover, seed=p.seed)
+             n_segments=p.n_segments, leftover=p.leftover, seed=p.seed)
     tidy: dict[str, Any] = {
         "planes": p.join_planes, "relief": p.relief, "contrast": p.contrast, "min_area": p.min_area,
     }
@@ -211,8 +216,12 @@ def _simplified(
     return oriented(simplified_items(mesh, pairs, monitor=monitor, **options), orientation)
 
 
-def _dihedral(items: Items, *, monitor: Monitor, n_slots: int, order: Any) -> IntArray:
-    return dihedral_partition(items.mesh, n_slots, order=order, monitor=monitor)
+def _dihedral(items: Items, *, monitor: Monitor, **slots: Any) -> IntArray:
+    return dihedral_partition(items.mesh, monitor=monitor, **slots)
+
+
+def _raw_dihedral(mesh: Mesh, *, monitor: Monitor, **slots: Any) -> IntArray:
+    return dihedral_partition(mesh, monitor=monitor, **slots)
 
 
 def _allocation(items: Items, dihedral: IntArray, *, monitor: Monitor, allocation: Allocation) -> FloatArray:
@@ -304,6 +313,7 @@ def _ensemble(
     k_range: tuple[int, int],
     n_runs: int,
     init: Init,
+    ties: Ties,
     seed: int,
     merge: tuple[float, float, float] | None,
 ) -> IntArray:
@@ -317,6 +327,7 @@ def _ensemble(
             k_range=k_range,
             n_runs=n_runs,
             init=init,
+            ties=ties,
             merge=None if merge is None else dict(zip(("flatness", "normal", "seam"), merge)),
             seed=seed,
             n_threads=_n_threads(),
@@ -360,7 +371,7 @@ def _consensus_by_peac(
     trees: tuple[FloatArray, ...],
     *,
     monitor: Monitor,
-    n_segments: int,
+    n_segments: int | Literal["auto"],
     leftover: Leftover,
     seed: int,
 ) -> IntArray:

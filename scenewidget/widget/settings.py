@@ -98,6 +98,8 @@ FOLDED = (
     Setting("seed", "Seed", "Start of the random numbers: the same seed gives the same segments.",
             "number", "Ensemble", 0, None, 1),
     Setting("init", "First medoids", "Where the runs of k-medoids start from.", "choice", "Ensemble"),
+    Setting("medoid_ties", "Tied medoids", "Which of equally central items stands for a cluster.",
+            "choice", "Ensemble"),
     Setting("allocation", "Shares of k", "By what separate components of the scan share out the clusters.",
             "choice", "Ensemble"),
     Setting("merge", "Merge planes", "Joins the pieces of a plane within each run before it votes.",
@@ -133,12 +135,20 @@ FOLDED = (
     Setting("n_items", "Most items", "How many items there may be: more are finer and slower.",
             "number", "Items", 2, 40_000, 500),
     Setting("simplifier", "Simplifier", "Which program simplifies the mesh.", "choice", "Items"),
+    Setting("drop_torn", "Drop torn pieces",
+            "Leaves out small pieces that the simplifier tore off, as the thesis is written.",
+            "check", "Items"),
+    Setting("tolerance", "Map-back reach",
+            "How far from the simplified mesh, in mean face widths, a face of the scan still gets a label.",
+            "number", "Items", 0, None, 0.5),
     Setting("filter_sweeps", "Smoothing", "Sweeps of the filter that smooths the normals under the patches.",
             "number", "Items", 0, 1000, 5),
     Setting("bridge", "Bridge", "Fragments this close, in metres, count as neighbours.",
             "number", "Items", 0, None, 0.01),
     Setting("n_slots", "Dihedral slots", "How finely the level “dihedral” tells angles apart.",
             "number", "Items", 2, 100_000, 8),
+    Setting("slot_mapping", "Slots by", "By what the slots for the angle between faces are alike.",
+            "choice", "Items"),
     Setting("dihedral_order", "Dihedral seeds", "In which order the parts of the level “dihedral” grow.",
             "choice", "Items"),
 )  # fmt: skip
@@ -174,11 +184,10 @@ def idle_reasons(params: Params) -> dict[str, str]:
         why["n_segments"] = "The median partition finds its own number."
     if not has_runs:
         no_runs = "There are no k-medoids runs."
-        for name in ("init", "merge", "cost_a", "cost_b", "feature", "convex_weights"):
+        needs_runs = ("init", "medoid_ties", "k_range", "merge", "cost_a", "cost_b", "feature")
+        for name in (*needs_runs, "convex_weights"):
             why[name] = no_runs
-        if not (p.consensus == "peac" and p.n_segments == "auto"):
-            why["k_range"] = no_runs
-        if p.consensus != "peac":
+        if p.consensus != "peac" or p.n_segments == "auto":
             why["allocation"] = no_runs
     if not has_runs or p.feature == "normals":
         why["feature_floor"] = why.get("feature", "Normals alone have no feature to be blind.")
@@ -193,7 +202,8 @@ def idle_reasons(params: Params) -> dict[str, str]:
     if p.consensus != "peac":
         why["leftover"] = "Only PEAC leaves pieces over."
     if p.items == "superfacets":
-        why["simplifier"] = "The scan is not simplified."
+        for name in ("simplifier", "drop_torn", "tolerance"):
+            why[name] = "The scan is not simplified."
     else:
         for name in ("filter_sweeps", "bridge"):
             why[name] = "It shapes patches, but the items are faces of a simplified mesh."

@@ -6,25 +6,25 @@ import math
 
 import pytest
 
-from scenewidget.engine.params import _CHOICES, _RANGES, Params
+from scenewidget.engine.params import _RANGES, CHOICES, Params
 
 NAMES = [field.name for field in dataclasses.fields(Params)]
 WHOLE = [name for name in _RANGES if name.startswith("n_") or name in ("filter_sweeps", "seed")]
 
 
 def test_every_option_is_checked_and_documented():
-    special = {"n_segments", "k_range", "convex_weights", "merge", "join_planes", "granularity"}
-    assert set(NAMES) == set(_CHOICES) | set(_RANGES) | special
+    special = {"n_segments", "k_range", "convex_weights", "merge", "join_planes", "drop_torn", "granularity"}
+    assert set(NAMES) == set(CHOICES) | set(_RANGES) | special
     for name in NAMES:
         assert name in Params.__doc__
 
 
-@pytest.mark.parametrize("name", sorted(_CHOICES))
+@pytest.mark.parametrize("name", sorted(CHOICES))
 def test_an_unknown_choice_is_refused_with_the_choices(name):
     for value in ("no such thing", 3, None, ["fast"]):
-        with pytest.raises(ValueError, match=f"{name} must be one of '{_CHOICES[name][0]}'"):
+        with pytest.raises(ValueError, match=f"{name} must be one of '{CHOICES[name][0]}'"):
             Params(**{name: value})
-    for choice in _CHOICES[name]:
+    for choice in CHOICES[name]:
         assert getattr(Params(**{name: choice}), name) == choice
 
 
@@ -54,7 +54,7 @@ def test_counts_are_whole(name):
         Params(**{name: 2.5})
 
 
-@pytest.mark.parametrize("name", ["merge", "join_planes"])
+@pytest.mark.parametrize("name", ["merge", "join_planes", "drop_torn"])
 def test_switches_are_true_or_false(name):
     for value in (1, "yes", None):
         with pytest.raises(TypeError, match=f"{name} must be True or False"):
