@@ -1,25 +1,15 @@
 """k-medoids against its definition by brute force, on distances with ties and unconnected parts."""
 
-import functools
-import operator
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import distance_matrices
+from transcriptions import algorithm_2, nearest, total
 
 from scenewidget.engine.kmedoids import INITS, alternate, initial_medoids, k_medoids
 
 LINE = np.abs(np.subtract.outer([0.0, 1, 2, 10, 11, 12], [0.0, 1, 2, 10, 11, 12]))
-
-
-def nearest(D, medoids):
-    """Labels by definition: the first of the nearest medoids, a medoid its own, -1 out of reach."""
-    labels = D[:, medoids].argmin(axis=1)
-    labels[np.isinf(D[:, medoids].min(axis=1))] = -1
-    labels[medoids] = np.arange(len(medoids))
-    return labels
 
 
 def cost_of(D, medoids):
@@ -65,10 +55,6 @@ def test_unreachable_items_are_in_no_cluster(problem):
     np.testing.assert_array_equal(result.labels == -1, out_of_reach)
 
 
-def total(distances):
-    return functools.reduce(operator.add, map(float, distances), 0.0)  # sum rounds less since 3.12
-
-
 def plain_alternate(D, medoids):
     """By definition, a medoid stays unless another is better: every assignment and every sum anew."""
 
@@ -87,22 +73,6 @@ def plain_alternate(D, medoids):
             return labels, medoids, n_iter
         medoids, labels, cost = moved, nearest(D, moved), cost_of(moved)
     raise AssertionError("no end")
-
-
-def printed_algorithm(D, medoids):
-    """Algorithm 2 of the thesis, line by line; cost_of as its line 7, minimum as its line 11."""
-    n_updates, previous = 0, np.inf  # line 3
-    while True:
-        labels = nearest(D, medoids)  # line 6
-        cost = total(D[i, medoids[c]] for i, c in enumerate(labels) if c >= 0)  # line 7
-        if cost == previous:  # line 8
-            return labels, medoids, n_updates
-        medoids = medoids.copy()
-        for c in range(len(medoids)):  # line 11
-            members = np.flatnonzero(labels == c)
-            medoids[c] = members[int(np.argmin([total(D[i, members]) for i in members]))]
-        previous = cost  # line 13
-        n_updates += 1
 
 
 @st.composite
@@ -134,7 +104,7 @@ def test_looking_only_at_what_changed_gives_what_the_definition_gives(problem):
 def test_ties_to_the_first_give_what_the_printed_algorithm_gives(problem):
     D, start = problem
     result = alternate(D, start, "first")
-    labels, medoids, n_iter = printed_algorithm(D, start)
+    labels, medoids, n_iter = algorithm_2(D, start)
     np.testing.assert_array_equal(result.medoids, medoids)
     np.testing.assert_array_equal(result.labels, labels)
     assert result.n_iter == n_iter
@@ -144,7 +114,7 @@ def test_ties_to_the_first_give_what_the_printed_algorithm_gives(problem):
 def test_small_problems_full_of_ties_follow_the_printed_algorithm_too(problem):
     D, k, seed = problem
     result = k_medoids(D, k, seed=seed, ties="first")
-    labels, medoids, _ = printed_algorithm(D, initial_medoids(D, k, seed=seed))
+    labels, medoids, _ = algorithm_2(D, initial_medoids(D, k, seed=seed))
     np.testing.assert_array_equal(result.medoids, medoids)
     np.testing.assert_array_equal(result.labels, labels)
 
