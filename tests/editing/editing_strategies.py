@@ -7,7 +7,8 @@ import shapes
 from hypothesis import strategies as st
 from strategies import clean_meshes, messy_meshes
 
-from scenewidget.editing.edits import Cut, Merge, Relabel, Split
+from scenewidget.editing.edits import Cut, EditError, Merge, Relabel, Split
+from scenewidget.editing.session import Session
 from scenewidget.engine.segmentation import LEVELS, Segmentation, order_by_area
 
 NAMES = ("", "chair", "Tür", "a" * 200, "<b>&\"'", "=1+1")
@@ -61,3 +62,31 @@ def assert_same(one, other):
     assert one.levels.keys() == other.levels.keys()
     for level in one.levels:
         np.testing.assert_array_equal(one.level(level), other.level(level))
+
+
+def do_all(session, edits):
+    """Do the edits that apply; the number of them."""
+    for edit in edits:
+        try:
+            session.do(edit)
+        except EditError:
+            continue
+    return len(session.edits)
+
+
+def box_session(**options):
+    """A box with a segment a side, four base parts a side and a dihedral part a face."""
+    mesh = shapes.box(4)
+    labels = np.arange(mesh.n_faces) // 32
+    levels = {"base": np.arange(mesh.n_faces) // 8, "dihedral": np.arange(mesh.n_faces)}
+    levels = {name: part.astype(np.int32) for name, part in levels.items()}
+    return Session(mesh, Segmentation(mesh, labels, levels=levels, **options))
+
+
+def applies(session, edit):
+    """Whether an edit can be done; then it is done."""
+    try:
+        session.do(edit)
+    except EditError:
+        return False
+    return True

@@ -1,24 +1,13 @@
 """The settings without a browser: what they say, what they refuse, what has no effect."""
 
-import dataclasses
-import json
-
-import numpy as np
 import pytest
 import shapes
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import scenewidget as sw
-from scenewidget.engine.stages import stages
 from scenewidget.widget.controls import ParamsControls
 from scenewidget.widget.settings import (
-    PRESETS,
     SETTINGS,
-    changes_from,
-    idle_reasons,
-    nearest_preset,
-    params_code,
 )
 
 NAMES = [setting.name for setting in SETTINGS]
@@ -53,51 +42,7 @@ def controls():
     return ParamsControls()
 
 
-def test_every_option_has_an_input_with_a_sentence_on_what_it_does():
-    assert set(NAMES) == {field.name for field in dataclasses.fields(sw.Params)}
-    for setting in SETTINGS:
-        assert setting.tip.endswith((".", "^C."))
-        assert ". " not in setting.tip
-    json.dumps([setting.to_json() for setting in SETTINGS])
-
-
 combinations = st.fixed_dictionaries({name: st.sampled_from(values) for name, values in OTHER_VALUES.items()})
-
-
-@given(combinations)
-@settings(max_examples=60)
-def test_an_option_that_no_stage_looks_at_is_said_to_have_no_effect(options):
-    params = sw.Params(n_graph_runs=3, n_items=200, **options)
-    why = idle_reasons(params)
-    table = stages(params)
-    for name, value in CHANGES.items():
-        if name in OTHER_VALUES:
-            continue  # these decide on the others
-        changed = stages(params.replace(**{name: value}))
-        if changed[next(reversed(changed))].key == table[next(reversed(table))].key:
-            assert name in why, (name, options)
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        {},
-        {"n_segments": "auto"},
-        {"n_runs": 0},
-        {"n_runs": 0, "consensus": "peac", "n_segments": "auto"},
-        {"consensus": "median", "k_range": (8, 14)},
-        {"consensus": "peac", "feature": "uniform"},
-        {"items": "simplified", "feature": "hks", "merge": True},
-    ],
-)
-def test_what_is_said_to_have_no_effect_has_none(options):
-    params = sw.Params(**{"n_segments": 5, "n_runs": 3, "n_graph_runs": 3, "n_items": 200} | options)
-    pipe = sw.Pipeline(MESH)
-    expected = pipe.run(params)
-    for name in idle_reasons(params):
-        result = pipe.run(params.replace(**{name: CHANGES[name]}))
-        np.testing.assert_array_equal(result.labels, expected.labels, name)
-        np.testing.assert_array_equal(result.confidence, expected.confidence, name)
 
 
 def test_a_value_that_can_not_be_is_refused_with_a_reason(controls):
@@ -160,18 +105,6 @@ def test_presets_keep_the_number_of_segments(controls):
     assert controls.changed == []
     with pytest.raises(ValueError, match="name must be one of 'Default', 'Thesis', got 'None'"):
         controls.use_preset("None")
-
-
-@pytest.mark.parametrize("preset", PRESETS)
-@pytest.mark.parametrize(
-    "changes",
-    [{}, {"n_segments": 12, "k_range": (8, 30)}, {"n_segments": "auto", "seed": 3, "cost_exponent": 1.75}],
-)
-def test_the_code_makes_the_parameters(preset, changes):
-    params = PRESETS[preset].replace(**changes)
-    assert eval(params_code(params), {"sw": sw}) == params
-    assert nearest_preset(params) == preset
-    assert set(changes_from(preset, params)) == set(changes) - {"n_segments", "seed"}
 
 
 def test_its_repr_is_the_code(controls):

@@ -7,21 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
-from shapes import box, grid_square
+from sent import array
+from shapes import grid_square
 
 from scenewidget.engine.atoms import common_refinement
 from scenewidget.engine.mesh import Mesh
 from scenewidget.widget import bundle
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.wire import UNLABELED
-
-
-def array(view: SceneView, name: str) -> np.ndarray:
-    header = view._headers[name]
-    return np.frombuffer(getattr(view, f"_{name}"), header["dtype"]).reshape(header["shape"])
 
 
 @pytest.fixture
@@ -35,24 +28,7 @@ def quarters(view) -> np.ndarray:
     return (2 * (center[:, 0] > 0.5) + (center[:, 1] > 0.5)).astype(np.int32)
 
 
-# --- geometry ---
-
-
-def test_vertices_are_precise_far_from_the_origin():
-    near, far = box(3), box(3)
-    far = Mesh(near.vertices + np.array([4.5e5, 5.2e6, 100.0]), near.faces)
-    np.testing.assert_allclose(
-        array(SceneView(far), "vertices"), array(SceneView(near), "vertices"), atol=1e-6
-    )
-    np.testing.assert_array_equal(array(SceneView(far), "faces"), near.faces)
-
-
-def test_unused_vertices_do_not_move_the_middle():
-    mesh = grid_square(2)
-    stray = Mesh(np.vstack([mesh.vertices, [1e6, 0, 0]]), mesh.faces)
-    sent = array(SceneView(stray), "vertices")
-    np.testing.assert_allclose(sent[:-1], array(SceneView(mesh), "vertices"))
-    np.testing.assert_array_equal(sent[-1], 0)
+# --- at the beginning ---
 
 
 def test_a_coloured_scan_starts_in_its_colours():
@@ -70,34 +46,7 @@ def test_repr_is_short_and_deterministic(view, quarters):
     assert repr(view) == "SceneView(32 faces, 4 segments)"
 
 
-# --- atoms ---
-
-labellings = hnp.arrays(np.int32, (3, 12), elements=st.integers(-1, 4))
-
-
-@given(labellings)
-def test_atoms_are_the_coarsest_on_which_all_are_constant(columns):
-    atoms = common_refinement(columns, 12)
-    distinct = {tuple(row) for row in columns.T}
-    assert len(atoms.first_face) == len(distinct) == atoms.face_atom.max() + 1
-    for labels in columns:
-        table = atoms.table(labels)
-        np.testing.assert_array_equal(table[atoms.face_atom], labels)
-
-
-@given(labellings)
-def test_a_labelling_that_cuts_an_atom_has_no_table(columns):
-    atoms = common_refinement(columns[:1], 12)
-    is_finer = len({tuple(row) for row in columns[:2].T}) > len(set(columns[0].tolist()))
-    assert (atoms.table(columns[1]) is None) == is_finer
-
-
-def test_labels_with_huge_numbers_are_no_problem():
-    columns = [np.array([0, 2**31 - 2, 5]), np.array([2**31 - 2, 7, 7])]
-    assert common_refinement(columns, 3).face_atom.tolist() == [0, 2, 1]
-
-
-# --- partition ---
+# --- segments ---
 
 
 def test_tables_give_every_face_its_part_and_its_segment(view, quarters):
@@ -140,22 +89,6 @@ def test_what_is_hidden_stays_so_when_python_cuts_it(view, quarters):
     np.testing.assert_array_equal(hidden, quarters == 3)
     view.set_segments(quarters)  # which joins no atoms, so nothing changes
     np.testing.assert_array_equal(np.isin(face_atom, face_atom[view._hidden]), quarters == 3)
-
-
-def test_a_segment_keeps_its_colour_by_its_id_and_a_new_one_gets_a_spare_one(view, quarters):
-    view.set_segments(quarters, levels={"final": quarters}, ids=np.array([10, 11, 12, 13]))
-    colors, sent = view.segment_colors, array(view, "segment_colors")
-    np.testing.assert_array_equal(sent[:4], colors)
-    merged = np.array([1, 0, 0, 2])[quarters]  # 11 and 12 have become the first, as 12
-    view.set_segments(merged, ids=np.array([12, 10, 13]))
-    np.testing.assert_array_equal(view.segment_colors, colors[[2, 0, 3]])
-    view.set_segments(quarters, ids=np.array([10, 14, 12, 13]))
-    np.testing.assert_array_equal(view.segment_colors, [colors[0], sent[4], colors[2], colors[3]])
-    view.set_segments(quarters, ids=np.array([10, 11, 12, 13]))
-    np.testing.assert_array_equal(view.segment_colors, colors)
-    with pytest.raises(ValueError, match=r"ids must have shape \(4,\), one a segment, got \(1,\)"):
-        view.set_segments(quarters, ids=np.array([1]))
-    view.set_segments(quarters, levels={"half": quarters // 2})  # what was refused has left nothing behind
 
 
 def test_confidence_is_one_number_a_segment(view, quarters):

@@ -10,7 +10,6 @@ import shapes
 import traitlets
 
 import scenewidget as sw
-from scenewidget.widget.worker import Worker
 
 SMALL = sw.Params(n_segments=6, n_runs=4, n_graph_runs=4)
 
@@ -335,46 +334,6 @@ def test_what_cannot_be_asked_of_a_widget_says_why(widget, call, error, message)
     with pytest.raises(error, match=message):
         call(widget)
     assert widget.wait(60) is before
-
-
-def test_a_task_that_is_cancelled_before_it_begins_is_reported_too():
-    told = []
-    worker = Worker(
-        on_progress=lambda *_: None,
-        on_done=told.append,
-        on_error=told.append,
-        on_cancelled=lambda: told.append("cancelled"),
-    )
-    started, gate = threading.Event(), threading.Event()
-    worker.submit(lambda *_: started.set() or gate.wait(10))
-    assert started.wait(10)
-    worker.submit(lambda *_: "never")
-    worker.cancel()
-    gate.set()
-    assert worker.wait(10)
-    assert told == ["cancelled"]
-
-
-def test_worker_reports_nothing_of_a_task_that_was_replaced():
-    told = []
-    worker = Worker(
-        on_progress=lambda *_: None,
-        on_done=told.append,
-        on_error=told.append,
-        on_cancelled=lambda: told.append("c"),
-    )
-    started = threading.Event()
-
-    def slow(_, cancel):
-        started.set()
-        assert cancel.wait(10)
-        raise RuntimeError("a stale error")
-
-    worker.submit(slow)
-    assert started.wait(10)
-    worker.submit(lambda *_: "new")
-    assert worker.wait(10)
-    assert told == ["new"]
 
 
 def test_what_is_closed_can_be_forgotten(mesh):
