@@ -223,10 +223,13 @@ class ProjectFile:
 
     def _drop_stale_log(self) -> None:
         """Remove a log from beside the file if the file has all that is wanted of both."""
-        if _beside(self._place, "-wal").exists() and read_alone(self.path) == self.root:
-            if self._handle is not None:
-                self._handle.sync()
-            _remove_log(self._place)
+        if not _beside(self._place, "-wal").exists():
+            return
+        with contextlib.suppress(ProjectError):  # not whole without its log
+            if read_alone(self.path) == self.root:
+                if self._handle is not None:
+                    self._handle.sync()
+                _remove_log(self._place)
 
     def _connect(self, *, check: bool) -> None:
         """Open the database; with ``check`` it may have been changed, or be of an older version."""

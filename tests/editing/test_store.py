@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import shapes
 import trimesh
+from attacks import GOLDEN, old_project
 from editing_strategies import assert_same, edited
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -454,16 +455,7 @@ def test_a_bomb_of_zeros_is_refused(tmp_path):
         Session.open(tmp_path / "room.swproj", mesh)
 
 
-GOLDEN = HERE.parent / "golden"
 OLD_EDITS = [Relabel(0, "chair"), Merge((0, 40), 70), Cut(0, 70)]
-
-
-def old_project(folder, name="format_1"):
-    """A copy of a project that the first format of files holds; tests/golden tells how it was made."""
-    for suffix in ("", "-wal"):
-        if (GOLDEN / f"{name}.swproj{suffix}").exists():
-            shutil.copy(GOLDEN / f"{name}.swproj{suffix}", folder / f"room.swproj{suffix}")
-    return folder / "room.swproj"
 
 
 def version_of(path):
