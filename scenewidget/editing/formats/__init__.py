@@ -1,7 +1,8 @@
 """Segmentations in the files of other tools, out and in again.
 
 `export` writes PLY, NPZ, GLB, ScanNet's and SceneNN's pairs of files, and tables of the segments;
-`import_labels` reads labels back onto a mesh. One module a format; each has ``write`` and ``read``.
+`import_labels` reads labels back onto a mesh. One module a format; each has ``write``, which gives what the
+files hold, and ``read``.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from scenewidget.editing.files import checked_path
 from scenewidget.editing.fingerprint import fingerprint
 from scenewidget.editing.formats import glb, npz, plain, ply, scannet, scenenn, table
 from scenewidget.editing.formats.common import FormatError, Labels, faces_from_vertices
+from scenewidget.editing.formats.seal import Contents, write_files
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.readers import load_mesh
 from scenewidget.engine.segmentation import Segmentation
@@ -28,7 +30,7 @@ __all__ = ["FormatError", "export", "import_labels"]
 
 @dataclass(frozen=True)
 class _Format:
-    write: Callable[..., list[Path]] | None
+    write: Callable[..., Contents] | None
     read: Callable[[Path, Mesh], Labels] | None
     options: tuple[str, ...] = ()
 
@@ -63,6 +65,8 @@ def export(
     mesh: Mesh | Any,
     path: str | os.PathLike[str],
     format: str | None = None,  # noqa: A002  # the contract's name for it
+    *,
+    overwrite: bool = False,
     **options: Any,
 ) -> list[Path]:
     """Write a segmentation in a format of other tools.
@@ -77,21 +81,28 @@ def export(
         By default what the suffix says: "ply" (colours and a property ``instance``), "npz", "glb" (a node
         a segment), "scannet" (.aggregation.json and .segs.json), "scenenn" (.ply and .xml, choose by
         .xml), "csv" and "parquet" (the table of segments), "npy" and "txt" (a label a face).
+    overwrite : bool
+        What an export wrote is replaced; any other file, and the scan itself, only with True. That holds for
+        all files that are written, the PLY beside an XML too. A file counts as written by an export as long
+        as nobody has changed it; NPY, TXT, CSV and Parquet can't say so themselves, and outside of Linux only
+        the process that wrote them knows.
     **options
         ``per="face"`` or ``"vertex"`` of "ply": what carries instance and colour.
 
     Returns
     -------
     paths : list of Path
-        The files written, each whole or not at all. In formats with labels per vertex a vertex gets the
-        label of most of the area around it; a face on a boundary can come back as its neighbour.
+        The files written, all of them or, on any trouble, none. In formats with labels per vertex a vertex
+        gets the label of most of the area around it; a face on a boundary can come back as its neighbour.
 
     Raises
     ------
     ValueError
         An unknown format, or a segmentation of another mesh.
+    FileExistsError
+        A file is there that no export wrote, or that is the scan itself.
     OSError
-        The file can't be written; the old one is untouched.
+        A file can't be written; the old ones are untouched.
 
     Examples
     --------
@@ -121,7 +132,12 @@ def export(
     for option in options:
         if option not in _FORMATS[name].options:
             raise TypeError(f"format {name!r} has no option {option!r}")
-    return writer(segmentation, mesh, target, **options)
+    return write_files(
+        writer(segmentation, mesh, target, **options),
+        asked=target,
+        overwrite=overwrite,
+        inputs=[mesh.source, segmentation.mesh.source],
+    )
 
 
 def import_labels(

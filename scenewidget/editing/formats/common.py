@@ -5,13 +5,11 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
 from scenewidget.editing.edits import MAX_NAME
-from scenewidget.editing.files import replacing
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 
 __all__ = [
@@ -21,7 +19,6 @@ __all__ = [
     "faces_from_vertices",
     "same_place",
     "vertices_from_faces",
-    "write_bytes",
 ]
 
 
@@ -45,13 +42,6 @@ class Labels:
     confidence: FloatArray | None = None
     levels: Mapping[str, IntArray] = field(default_factory=dict)
     report: Mapping[str, Any] = field(default_factory=dict)
-
-
-def write_bytes(path: Path, *chunks: bytes | memoryview) -> None:
-    """Write a file, whole or not at all."""
-    with replacing(path) as temporary, temporary.open("wb") as file:
-        for chunk in chunks:
-            file.write(chunk)
 
 
 def clean_name(value: Any) -> str:

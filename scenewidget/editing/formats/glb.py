@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from scenewidget.editing.formats.common import FormatError, Labels, clean_name, write_bytes
+from scenewidget.editing.formats.common import FormatError, Labels, clean_name
+from scenewidget.editing.formats.seal import SEAL, Contents
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.palette import segment_colors
@@ -32,8 +33,8 @@ COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 512
 MAX_DEPTH = 50
 
 
-def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
-    """Write a node a segment, unlabeled faces in one of their own; see `export`."""
+def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
+    """A node a segment, unlabeled faces in one of their own; see `export`."""
     builder = _Builder()
     colors = segment_colors(segmentation)
     order = np.argsort(segmentation.labels, kind="stable")
@@ -42,8 +43,7 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
         if start < stop:
             name = segmentation.names[label] if label >= 0 else "unlabeled"
             builder.add_segment(mesh, order[start:stop], name, colors[label], label)
-    write_bytes(path, *builder.chunks())
-    return [path]
+    return {path: list(builder.chunks())}
 
 
 class _Builder:
@@ -107,7 +107,7 @@ class _Builder:
 
     def chunks(self) -> Iterator[bytes]:
         content = {
-            "asset": {"version": "2.0", "generator": "scenewidget"},
+            "asset": {"version": "2.0", "generator": "scenewidget", "extras": {"seal": SEAL}},
             "scene": 0,
             "scenes": [{"nodes": [0]}],
             "nodes": self.nodes,

@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from scenewidget.editing.edits import MAX_NAME
-from scenewidget.editing.files import replacing
 from scenewidget.editing.fingerprint import fingerprint
 from scenewidget.editing.formats.common import FormatError, Labels, clean_name
+from scenewidget.editing.formats.seal import SEAL, Contents
 from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.segmentation import LEVELS, Segmentation
 
@@ -28,8 +28,8 @@ _HEADER = re.compile(  # what NumPy writes; its own reader would evaluate it
 )
 
 
-def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
-    """Write ``labels``, ``names``, ``confidence``, ``level_…`` and ``mesh``; see `export`."""
+def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
+    """Arrays ``labels``, ``names``, ``confidence``, ``level_…`` and ``mesh``; see `export`."""
     arrays: dict[str, Any] = {
         "labels": segmentation.labels,
         "names": np.array(segmentation.names, dtype=np.str_) if segmentation.names else np.empty(0, "<U1"),
@@ -37,9 +37,11 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
         "mesh": np.array(fingerprint(mesh).digest),
     }
     arrays |= {f"level_{name}": parts for name, parts in segmentation.levels.items()}
-    with replacing(path) as temporary, temporary.open("wb") as file:
-        np.savez_compressed(file, **arrays)
-    return [path]
+    file = io.BytesIO()
+    np.savez_compressed(file, **arrays)
+    with zipfile.ZipFile(file, "a") as archive:
+        archive.comment = SEAL.encode()
+    return {path: [file.getvalue()]}
 
 
 def read(path: Path, mesh: Mesh) -> Labels:

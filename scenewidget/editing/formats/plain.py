@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import numpy as np
 
-from scenewidget.editing.files import replacing
-from scenewidget.editing.formats.common import FormatError, Labels, write_bytes
+from scenewidget.editing.formats.common import FormatError, Labels
 from scenewidget.editing.formats.npz import read_array
+from scenewidget.editing.formats.seal import Contents
 from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.segmentation import Segmentation
 
 __all__ = ["read_npy", "read_text", "write_npy", "write_text"]
 
 
-def write_npy(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
-    """Write labels as an int32 array."""
-    with replacing(path) as temporary, temporary.open("wb") as file:
-        np.save(file, segmentation.labels, allow_pickle=False)
-    return [path]
+def write_npy(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
+    """Labels as an int32 array."""
+    file = io.BytesIO()
+    np.save(file, segmentation.labels, allow_pickle=False)
+    return {path: [file.getvalue()]}
 
 
-def write_text(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
-    """Write a label a line."""
-    write_bytes(path, ("\n".join(map(str, segmentation.labels.tolist())) + "\n").encode())
-    return [path]
+def write_text(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
+    """A label a line."""
+    return {path: [("\n".join(map(str, segmentation.labels.tolist())) + "\n").encode()]}
 
 
 def read_npy(path: Path, mesh: Mesh) -> Labels:

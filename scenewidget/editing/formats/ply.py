@@ -20,8 +20,8 @@ from scenewidget.editing.formats.common import (
     clean_name,
     same_place,
     vertices_from_faces,
-    write_bytes,
 )
+from scenewidget.editing.formats.seal import SEAL, Contents
 from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.palette import segment_colors
@@ -47,8 +47,8 @@ TYPES = {
 ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": ""}
 
 
-def write(segmentation: Segmentation, mesh: Mesh, path: Path, *, per: str = "face") -> list[Path]:
-    """Write the mesh with colours and instances; see `export`."""
+def write(segmentation: Segmentation, mesh: Mesh, path: Path, *, per: str = "face") -> Contents:
+    """The mesh with colours and instances; see `export`."""
     if per not in ("face", "vertex"):
         raise ValueError(f"per must be 'face' or 'vertex', got {per!r}")
     colors = segment_colors(segmentation)
@@ -72,7 +72,12 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path, *, per: str = "fac
     vertices = _table(mesh.n_vertices, columns)
     corners = [("n", np.uint8(3), "u1", ""), ("corners", mesh.faces, "(3,)<i4", "")]
     faces = _table(mesh.n_faces, [*corners, *face_columns])
-    header = ["ply", "format binary_little_endian 1.0", f"comment instances per {per}, -1 unlabeled"]
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        f"comment {SEAL}",
+        f"comment instances per {per}, -1 unlabeled",
+    ]
     header += [f"comment segment {i} {json.dumps(name)}" for i, name in enumerate(segmentation.names) if name]
     header += [f"element vertex {mesh.n_vertices}", *(f"property {t} {name}" for name, _, _, t in columns)]
     header += [f"element face {mesh.n_faces}", "property list uchar int vertex_indices"]
@@ -83,8 +88,7 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path, *, per: str = "fac
             f"the names of {segmentation.n_segments} segments don't fit into the header of a PLY; "
             "choose NPZ or GLB"
         )
-    write_bytes(path, head, vertices.data, faces.data)
-    return [path]
+    return {path: [head, vertices.data, faces.data]}
 
 
 def _color_columns(colors: npt.NDArray[np.uint8]) -> list[tuple[str, Any, str, str]]:

@@ -19,8 +19,8 @@ from scenewidget.editing.formats.common import (
     Labels,
     clean_name,
     vertices_from_faces,
-    write_bytes,
 )
+from scenewidget.editing.formats.seal import SEAL, Contents, check_one_set
 from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.segmentation import Segmentation
 
@@ -31,8 +31,8 @@ UNNAMED = "unannotated"
 BYTES_A_VERTEX = 40  # of JSON that a vertex can take
 
 
-def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
-    """Write the two files; see `export`. The one with the vertices first."""
+def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
+    """Both files; see `export`."""
     scene = _scene(path)
     aggregation, segs = path.with_name(scene + AGGREGATION), path.with_name(scene + SEGS)
     objects = vertices_from_faces(segmentation.labels, mesh)
@@ -54,11 +54,19 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
     ]
     indices = ",".join(map(str, segment.tolist()))
     # kThresh and segMinVerts belong to ScanNet's own segmentator; readers want the key
-    head = f'{{"params":{{"kThresh":0,"segMinVerts":0}},"sceneId":{json.dumps(scene)},"segIndices":['
-    write_bytes(segs, head.encode(), indices.encode(), b"]}")
-    content = {"sceneId": scene, "appId": "scenewidget", "segGroups": groups, "segmentsFile": segs.name}
-    write_bytes(aggregation, json.dumps(content, indent=1).encode())
-    return [aggregation, segs]
+    head = f'{{"params":{{"kThresh":0,"segMinVerts":0}},"seal":"{SEAL}","sceneId":{json.dumps(scene)},'
+    head += '"segIndices":['
+    content = {
+        "sceneId": scene,
+        "appId": "scenewidget",
+        "seal": SEAL,
+        "segGroups": groups,
+        "segmentsFile": segs.name,
+    }
+    return {
+        aggregation: [json.dumps(content, indent=1).encode()],
+        segs: [head.encode(), indices.encode(), b"]}"],
+    }
 
 
 def read(path: Path, mesh: Mesh) -> Labels:
@@ -69,7 +77,9 @@ def read(path: Path, mesh: Mesh) -> Labels:
     groups = data.get("segGroups") if isinstance(data, dict) else None
     if not isinstance(groups, list):
         raise FormatError(f"{path.name!r} has no list 'segGroups': it is no aggregation of ScanNet")
-    segment = _read_segments(_segments_file(path, data.get("segmentsFile")), mesh)
+    beside = _segments_file(path, data.get("segmentsFile"))
+    check_one_set(path, beside)
+    segment = _read_segments(beside, mesh)
     object_of: dict[int, int] = {}
     names: dict[int, str] = {}
     twice = 0

@@ -21,8 +21,8 @@ from scenewidget.editing.formats.common import (
     clean_name,
     same_place,
     vertices_from_faces,
-    write_bytes,
 )
+from scenewidget.editing.formats.seal import SEAL, Contents, check_one_set
 from scenewidget.editing.vocabulary import nyu_class
 from scenewidget.engine.mesh import FloatArray, Mesh
 from scenewidget.engine.moments import mean_normals
@@ -34,8 +34,8 @@ __all__ = ["read", "write"]
 MAX_XML_BYTES = 16_000_000
 
 
-def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
-    """Write the two files; see `export`. Labels are 1, 2, … in the order of the segments."""
+def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
+    """Both files; see `export`. Labels are 1, 2, … in the order of the segments."""
     scene, annotation = path.with_suffix(".ply"), path.with_suffix(".xml")
     labels = vertices_from_faces(segmentation.labels, mesh) + 1
     colors = segment_colors(segmentation)
@@ -53,10 +53,19 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
     vertices["label"] = labels
     faces = np.zeros(mesh.n_faces, dtype=[("n", "u1"), ("corners", "(3,)<i4")])
     faces["n"], faces["corners"] = 3, mesh.faces
-    header = ["ply", "format binary_little_endian 1.0", f"element vertex {mesh.n_vertices}"]
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        f"comment {SEAL}",
+        f"element vertex {mesh.n_vertices}",
+    ]
     header += [f"property {type_} {name}" for name, type_, _ in columns]
     header += [f"element face {mesh.n_faces}", "property list uchar int vertex_indices", "end_header\n"]
-    rows = ['<?xml version="1.0" encoding="UTF-8"?>', f"<annotation name={_attribute(path.stem)}>"]
+    rows = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f"<!-- {SEAL} -->",
+        f"<annotation name={_attribute(path.stem)}>",
+    ]
     boxes = _boxes(mesh, labels, segmentation.n_segments)
     for k, name in enumerate(segmentation.names):
         if not np.isfinite(boxes[k]).all():
@@ -67,11 +76,11 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
             f'aabbox="{" ".join(f"{x:.6g}" for x in boxes[k])}"/>'
         )
     rows.append("</annotation>\n")
-    write_bytes(
-        scene, "\n".join(header).encode("ascii"), vertices.view(np.uint8).data, faces.view(np.uint8).data
-    )
-    write_bytes(annotation, "\n".join(rows).encode())
-    return [scene, annotation]
+    head = "\n".join(header).encode("ascii")
+    return {
+        scene: [head, vertices.view(np.uint8).data, faces.view(np.uint8).data],
+        annotation: ["\n".join(rows).encode()],
+    }
 
 
 def read(path: Path, mesh: Mesh) -> Labels:
@@ -80,6 +89,7 @@ def read(path: Path, mesh: Mesh) -> Labels:
     for needed in (scene, annotation):
         if not needed.is_file():
             raise FormatError(f"{path.name!r} needs {needed.name!r} beside it")
+    check_one_set(scene, annotation)
     names = _read_names(annotation)
     with scene.open("rb") as file:
         elements, _ = ply.read_columns(file, scene.stat().st_size)

@@ -6,8 +6,7 @@ import importlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scenewidget.editing.files import replacing
-from scenewidget.editing.formats.common import write_bytes
+from scenewidget.editing.formats.seal import Contents
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.segmentation import Segmentation
 
@@ -17,26 +16,23 @@ if TYPE_CHECKING:
 __all__ = ["write_csv", "write_parquet"]
 
 
-def write_csv(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
-    """Write the table as CSV in UTF-8.
+def write_csv(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
+    """The table as CSV in UTF-8.
 
     A name that a spreadsheet would take for a formula (``=``, ``+``, ``-``, ``@`` first) gets an apostrophe.
     """
     frame = _frame(segmentation)
     frame["name"] = [f"'{name}" if name[:1] in tuple("=+-@\t\r") else name for name in frame["name"]]
-    write_bytes(path, frame.to_csv(lineterminator="\n").encode(errors="replace"))
-    return [path]
+    return {path: [frame.to_csv(lineterminator="\n").encode(errors="replace")]}
 
 
-def write_parquet(segmentation: Segmentation, mesh: Mesh, path: Path) -> list[Path]:
-    """Write the table as Parquet; needs pyarrow, which scenewidget does not install."""
+def write_parquet(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
+    """The table as Parquet; needs pyarrow, which scenewidget does not install."""
     try:
         importlib.import_module("pyarrow")  # what pandas writes Parquet with
     except ImportError as error:
         raise ImportError("Parquet needs pyarrow: pip install pyarrow, or choose CSV") from error
-    with replacing(path) as temporary:
-        _frame(segmentation).to_parquet(temporary, engine="pyarrow")
-    return [path]
+    return {path: [_frame(segmentation).to_parquet(engine="pyarrow")]}
 
 
 def _frame(segmentation: Segmentation) -> pd.DataFrame:
