@@ -191,7 +191,7 @@ def inherited_colors(
     colors_before: IntArray,
     sizes: FloatArray | None = None,
 ) -> IntArray:
-    """Colours that segments keep from an earlier labelling, (n_segments,); -1 for new ones.
+    """Colours that segments keep from an earlier labeling, (n_segments,); -1 for new ones.
 
     Largest overlap first, each old colour goes to one segment at most, so a merged segment keeps the colour
     of its larger part and the larger part of a split one keeps the colour of the whole. ``sizes`` are how

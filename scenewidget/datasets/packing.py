@@ -1,4 +1,4 @@
-"""A labelled mesh in few bytes: the format of the shipped room.
+"""A labeled mesh in few bytes: the format of the shipped room.
 
 Marching cubes numbers vertices as it goes, so that neighbours in space are neighbours in the file. Vertices
 are renumbered by first use, faces count backwards from the highest vertex so far (a new vertex is a 0),

@@ -1,4 +1,20 @@
-"""Correcting a segmentation by hand: edits, undo, project files, and formats that other tools read."""
+"""Correcting a segmentation by hand: edits, undo, project files, and formats that other tools read.
+
+===================  ============================================================================
+``session``          `Session`: everything below behind one lock; what scripts and the widget use
+``edits``            merge, split, relabel, cut, as data that names faces of the mesh
+``partition``        where every face is now, and what each edit does to that
+``cut``              the two-seed cut: which faces of a segment are on the side of the second face
+``history``          edits done and undone, and their replay on another segmentation
+``snapshot``         a session at one moment, as a view wants it
+``observers``        who is told of changes
+``project_binding``  the log of a session and the file that it is kept in
+``project``          what a project is; ``store`` its file, ``schema`` the tables in the file
+``suggestions``      merges and splits that are worth a look
+``annotator``        a simulated person, to count edits
+``formats``          segmentations in the files of other tools
+===================  ============================================================================
+"""
 
 from scenewidget.editing.annotator import Correction, simulate_annotator
 from scenewidget.editing.edits import Cut, Edit, EditError, Merge, Relabel, Split

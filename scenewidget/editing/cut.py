@@ -25,13 +25,13 @@ from scenewidget.engine.preprocess import filter_normals
 __all__ = ["cut_segment"]
 
 FUZZY = 0.8  # |d_a − d_b| / d(a, b) below which the minimum cut decides
-CONVEX = 0.5  # what a convex crease counts beside a concave one
-TURN = 3.0  # edges that a mean turn of the normal is worth in the distance
-STEEP = 3.0  # how fast creases get cheap
-MIDDLE = 5.0  # boundaries near a seed are dearer, or the shortest one on a plane would hug it
-SCALE = 10_000  # capacities are whole numbers; the dearest edge has this
-DIRECT = 15_000  # faces up to which one minimum cut decides; beyond, patches first and then a band
-N_CELLS = 10_000  # about half of the patches
+CONVEX = 0.5  # a convex crease counts so much of a concave one
+TURN = 3.0  # a mean turn of the normal adds as much distance as so many edges
+STEEP = 3.0  # how fast the cost of a boundary falls with the sharpness of its crease
+MIDDLE = 5.0  # how much dearer a boundary gets towards a seed: on a plane the shortest would hug it
+SCALE = 10_000  # capacity of the dearest edge; capacities are whole numbers
+DIRECT = 15_000  # up to so many faces one minimum cut decides; above, one between patches, then one in a band
+N_CELLS = 10_000  # cells of the grid that patches are made of; there are about twice as many patches
 
 
 def cut_segment(mesh: Mesh, faces: IntArray, face_a: int, face_b: int) -> BoolArray:

@@ -19,8 +19,8 @@ from scenewidget.engine.segmentation import LEVELS, Level
 
 __all__ = ["Cut", "Edit", "EditError", "Merge", "Relabel", "Split", "edit_from_dict", "edit_to_dict"]
 
-MAX_NAME = 200  # characters of a segment's name
-MAX_FACES = 100_000  # faces of one brush stroke
+MAX_NAME = 200  # the longest name of a segment, in characters
+MAX_FACES = 100_000  # the most faces that one brush stroke may name
 
 
 class EditError(ValueError):

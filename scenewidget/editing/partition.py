@@ -24,7 +24,9 @@ from scenewidget.engine.segmentation import LEVELS, Level, Segmentation
 
 __all__ = ["Change", "KnownCut", "Numbering", "Partition"]
 
-AREA_QUANTA = 2.0**50  # that the area of a mesh has: float64 adds whole numbers up to 2^53 exactly
+AREA_QUANTA = (
+    2.0**50
+)  # the area of a mesh in whole quanta, since float64 adds whole numbers up to 2^53 exactly
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +161,7 @@ class Partition:
         home = int(self.segment[atom])
         if level == "final":
             if home < 0:
-                raise EditError(f"face {face} is unlabelled: it belongs to no segment")
+                raise EditError(f"face {face} is unlabeled: it belongs to no segment")
             inside: BoolArray = self.segment == home
             if action == "split":
                 inside &= self.parts["final"] == self.parts["final"][atom]
@@ -213,7 +215,7 @@ class Partition:
     def _merge(self, edit: Merge) -> Change:
         target = self.segment_at(edit.onto_face)
         if target < 0:
-            raise EditError(f"onto_face {edit.onto_face} is unlabelled: there is no segment to join")
+            raise EditError(f"onto_face {edit.onto_face} is unlabeled: there is no segment to join")
         atoms = [self._atom(face) for face in edit.faces]
         column = self._column(edit.level)
         if (column[atoms] < 0).all():
@@ -246,7 +248,7 @@ class Partition:
     def _relabel(self, edit: Relabel) -> Change:
         home = self.segment_at(edit.face)
         if home < 0:
-            raise EditError(f"face {edit.face} is unlabelled: there is no segment to name")
+            raise EditError(f"face {edit.face} is unlabeled: there is no segment to name")
         if self.names.get(home, "") == edit.name:
             has = f"is called {edit.name!r} already" if edit.name else "has no name"
             raise EditError(f"the segment under face {edit.face} {has}")
@@ -266,7 +268,7 @@ class Partition:
         """
         home = self.segment_at(edit.face_a)
         if home < 0:
-            raise EditError(f"face_a {edit.face_a} is unlabelled: there is no segment to cut")
+            raise EditError(f"face_a {edit.face_a} is unlabeled: there is no segment to cut")
         if self.segment_at(edit.face_b) != home:
             raise EditError(
                 f"face_a {edit.face_a} and face_b {edit.face_b} are in different segments; "

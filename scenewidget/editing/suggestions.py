@@ -24,7 +24,7 @@ __all__ = ["Dismissal", "Evidence", "Suggestion", "suggest"]
 
 SMALLEST = 2e-4  # share of the faces below which a part is not worth a question
 PROBABLE = 0.05  # least probability of a merge that is worth one: walls and floors are large, but not one
-N_SAMPLES = 32  # faces by which a segment is known again
+N_SAMPLES = 32  # a segment is known again by so many of its faces
 SuggestionKey = tuple[int, frozenset[int]]  # base segment (-1: a whole segment) and ids of the segments
 
 

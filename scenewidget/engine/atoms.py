@@ -1,7 +1,7 @@
-"""Atoms: the common refinement of several labellings of the same faces.
+"""Atoms: the common refinement of several labelings of the same faces.
 
 Goes in: labels per face, one column a level. Comes out: an atom per face, such that every column is
-constant on every atom; a labelling then is a small table, one entry an atom, instead of one a face.
+constant on every atom; a labeling then is a small table, one entry an atom, instead of one a face.
 """
 
 from __future__ import annotations

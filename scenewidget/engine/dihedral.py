@@ -75,7 +75,7 @@ def dihedral_partition(
     What the printed algorithm leaves open, as decided here:
 
     - A face enters the rings of a seed once. Every face that is taken out counts the dot products with
-      all its neighbours, labelled or not, so a pair within the rings counts from both sides.
+      all its neighbours, labeled or not, so a pair within the rings counts from both sides.
     - The counts start anew with each seed and go on from ring to ring.
     - A flood takes no face from an earlier partition.
     - 1.0 lies in the last slot. A dot product within 1e-9 slots of a border counts for the upper slot and

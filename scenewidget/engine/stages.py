@@ -68,7 +68,7 @@ TITLES = {  # what people read while a step runs
     "trees": "Building the consensus trees",
     "consensus": "Finding the consensus",
     "finish": "Tidying segments up",
-    "segmentation": "Labelling every face",
+    "segmentation": "Labeling every face",
     "family": "Finding coarser and finer segments",
     "granularity": "Choosing the granularity",
 }

@@ -35,9 +35,9 @@ UNLABELED = (215, 215, 212)  # paler than on the screen, since figures stand on 
 INK = (45, 45, 50)
 ARROW = (200, 60, 30)
 MARK = (230, 50, 20)
-LIGHT = np.array([0.20, -0.62, 0.76])  # towards the light
-DARKEST = 0.62  # share of its colour that a face turned away from the light keeps
-LINE_WIDTH = 0.0022  # of the diagonal of the bounding box
+LIGHT = np.array([0.20, -0.62, 0.76])  # points towards the light
+DARKEST = 0.62  # a face turned away from the light keeps this share of its colour
+LINE_WIDTH = 0.0022  # as a share of the diagonal of the bounding box
 MOST_VECTORS = 2_000
 
 _simplified: weakref.WeakKeyDictionary[Mesh, dict[int, tuple[Mesh, IntArray]]] = weakref.WeakKeyDictionary()

@@ -19,8 +19,8 @@ from scenewidget.figures.orbit import Figure, Panel
 
 __all__ = ["Vibration", "displaced", "vibration"]
 
-PERIOD = 2.4  # seconds
-N_KEYS = 33  # of the sine; the browser goes straight from key to key
+PERIOD = 2.4  # seconds that a swing to and fro takes
+N_KEYS = 33  # the sine is given at so many times, and the browser goes straight from one to the next
 
 
 def vibration(

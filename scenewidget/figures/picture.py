@@ -22,7 +22,7 @@ __all__ = ["camera_for", "color_bar", "png"]
 N_COLORS, N_GREYS = 100, 12  # of the file: a third of the bytes, and no eye sees it
 INK, FAINT = (30, 30, 30), (120, 120, 120)
 TITLE_HEIGHT, BAR_HEIGHT, NOTE_HEIGHT, TEXT_SIZE = 26, 34, 18, 13
-SPECKS = 0.004  # share of a room's corners on each side that may lie outside the picture
+SPECKS = 0.004  # on each side this share of a room's corners may lie outside the picture
 BAR_WIDTH, BAR_THICKNESS = 0.62, 9  # of the panel's width; pixels
 
 

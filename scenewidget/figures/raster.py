@@ -18,8 +18,8 @@ __all__ = ["Camera", "render"]
 
 
 FIELD_OF_VIEW = 32.0  # degrees, from top to bottom
-FILLED = 0.93  # of the picture's width or height, by what is fitted into it
-MOST_CANDIDATES = 4_000_000  # pairs of triangle and sample looked at in one go
+FILLED = 0.93  # what is fitted into the picture fills this share of its width or height
+MOST_CANDIDATES = 4_000_000  # so many pairs of triangle and sample are looked at in one go
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ ColorArray = npt.NDArray[np.uint8]
 
 SEQUENTIAL, DIVERGING = "viridis", "RdBu_r"
 NOT_A_NUMBER = (170, 170, 170)
-BOTH_SIGNS = 0.02  # share of the larger side that the smaller must reach to count as a sign of its own
+BOTH_SIGNS = 0.02  # numbers have both signs if the smaller side reaches this share of the larger
 
 
 @dataclass(frozen=True)

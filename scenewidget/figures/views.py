@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+import inspect
+from collections.abc import Callable, Collection, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -13,34 +14,52 @@ from scenewidget.figures.drawing import checked_labels, draw, label_colors
 from scenewidget.figures.orbit import Figure
 from scenewidget.palette import inherited_colors, label_rows
 
-__all__ = ["compare", "show", "side_by_side"]
+__all__ = ["compare", "options_of", "show", "side_by_side"]
 
+Shown = TypeVar("Shown", bound=Callable[..., Any])
 ALIKE, DIFFERENT = (215, 215, 210), (215, 65, 25)
 
 
+def options_of(drawing: Callable[..., Any], *, but: Collection[str]) -> Callable[[Shown], Shown]:
+    """Name in a function's signature the options that it passes on as they are.
+
+    Parameters
+    ----------
+    drawing : callable
+        Whose keyword-only parameters they are.
+    but : collection of str
+        Those of them that the function gives itself.
+
+    Examples
+    --------
+    >>> import inspect
+    >>> @options_of(draw, but=("middle",))
+    ... def show_nothing(mesh, **options): ...
+    >>> list(inspect.signature(show_nothing).parameters)[:3]
+    ['mesh', 'colors', 'points']
+    """
+
+    def decorate(function: Shown) -> Shown:
+        own, theirs = inspect.signature(function), inspect.signature(drawing).parameters.values()
+        kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        added = [p for p in theirs if p.kind is p.KEYWORD_ONLY and p.name not in but]
+        vars(function)["__signature__"] = own.replace(parameters=[*kept, *added])
+        return function
+
+    return decorate
+
+
+@options_of(draw, but=("middle",))
 def show(
     mesh: Mesh,
     labels: Any = None,
     values: npt.ArrayLike | None = None,
     vectors: npt.ArrayLike | None = None,
     *,
-    colors: npt.ArrayLike | None = None,
-    points: npt.ArrayLike | None = None,
-    title: str = "",
-    scale_title: str = "",
-    colormap: str | None = None,
-    low: float | None = None,
-    high: float | None = None,
-    isolines: int = 0,
-    edges: bool = False,
-    smooth: bool | None = None,
-    scan_colors: bool = True,
-    back_faces: bool | None = None,
-    vector_length: float | None = None,
     view: tuple[float, float] = (-60.0, 30.0),
     width: int = 520,
     height: int = 380,
-    max_faces: int = 30_000,
+    **options: Any,
 ) -> Figure:
     """A mesh to turn around, coloured by labels or numbers, with arrows on it.
 
@@ -96,11 +115,7 @@ def show(
     >>> sw.figures.show(mesh, labels=[0, 0, 0, 0, 1, 1, 1, 1], title="halves")
     Figure(1 panel)
     """
-    drawing = draw(
-        mesh, labels, values, vectors, colors=colors, points=points, title=title, scale_title=scale_title,
-        colormap=colormap, low=low, high=high, isolines=isolines, edges=edges, smooth=smooth,
-        scan_colors=scan_colors, back_faces=back_faces, vector_length=vector_length, max_faces=max_faces,
-    )  # fmt: skip
+    drawing = draw(mesh, labels, values, vectors, **options)
     return Figure([drawing], view=view, width=width, height=height)
 
 

@@ -28,7 +28,7 @@ from scenewidget.widget.scene_view import SceneView
 __all__ = ["Autosave", "default_name", "newest_project", "spoken"]
 
 SUFFIX = ".swproj"
-DIGITS = 8  # of the fingerprint, in names of files
+DIGITS = 8  # so many digits of the fingerprint stand in the names of files
 
 
 def default_name(mesh: Mesh) -> str:

@@ -26,7 +26,7 @@ from scenewidget.widget.wire import face_bits
 __all__ = ["EditCommands"]
 
 KINDS = ("merge", "split", "relabel", "cut", "undo", "redo", "go_to")
-MOST_STEPS = 300  # that are listed, of those done and of those undone
+MOST_STEPS = 300  # so many of the done steps are listed, and so many of the undone
 
 
 class EditCommands:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 __all__ = ["make_page"]
 
-COMPRESSION = 6  # beyond, seconds go up and bytes hardly down
+COMPRESSION = 6  # level of gzip; higher ones take seconds more and save hardly a byte
 PAGE = """\
 <!doctype html>
 <html lang="en">

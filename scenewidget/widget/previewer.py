@@ -16,8 +16,10 @@ from scenewidget.widget.worker import Newest
 __all__ = ["Previewer", "coarser", "preview_params"]
 
 N_RUNS, N_GRAPH_RUNS = 6, 10  # of a preview
-N_SIMPLIFIED = 2_000  # faces; distances between all pairs of 10 000 take seconds
-PREPARING = "Preparing a preview"  # once a mesh: others come at once
+N_SIMPLIFIED = (
+    2_000  # a preview has at most so many faces: distances between all pairs of 10 000 take seconds
+)
+PREPARING = "Preparing a preview"  # told before the first preview of a mesh; others come at once
 
 
 class Previewer:

@@ -39,7 +39,7 @@ __all__ = ["SceneView"]
 SAVE_STATES = ("", "unsaved", "saving", "saved", "failed", "read-only")
 WHOLE = [(0.0, 1.0)] * 3
 LEAST_HEIGHT = 120
-MAX_CLIENTS = 32  # pages that show a view at the same time
+MAX_CLIENTS = 32  # at most so many pages show a view at the same time
 NOT_SAVED = {"face_item", "preview_segment", "preview_colors", "face_piece", "family_merges", "family_colors"}
 OF_THE_SESSION = (  # state that a saved page has no use for, and that tells of its author's disk and work
     *("editable", "mode", "busy", "progress", "status", "error", "notices", "save_state", "save_note"),

@@ -409,7 +409,7 @@ class SceneWidget(widgets.VBox):
         with self._lock:
             self._shown_params = params
             seconds = time.perf_counter() - self._started
-            summary = f"{segmentation.coverage:.1%} of the faces labelled, in {seconds:.1f} s"
+            summary = f"{segmentation.coverage:.1%} of the faces labeled, in {seconds:.1f} s"
             if lost:
                 do = "doesn't" if lost == 1 else "don't"
                 summary += f"; {lost} of your edits {do} apply to it, the history (U) says why"

@@ -39,7 +39,7 @@ WORDS = {
         "Mean overlap of the true segments with their partners: higher is better.",
         ".4f",
     ),
-    "coverage": ("Coverage", "Share of the truly labelled faces that have a label.", ".1%"),
+    "coverage": ("Coverage", "Share of the truly labeled faces that have a label.", ".1%"),
 }
 HIGHER_IS_BETTER = ("mean_iou", "coverage")
 

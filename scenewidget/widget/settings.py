@@ -19,7 +19,11 @@ Kind = Literal["slider", "range", "number", "choice", "check", "list", "family"]
 
 PRESETS: Mapping[str, Params] = {"Default": Params(), "Thesis": Params.thesis()}
 CODE = {"Default": "sw.Params", "Thesis": "sw.Params.thesis"}
-FREE = ("n_segments", "granularity", "seed")  # belong to no preset: changing them is no departure from it
+FREE = (
+    "n_segments",
+    "granularity",
+    "seed",
+)  # options that belong to no preset: whoever changes them does not leave it
 
 
 @dataclass(frozen=True)

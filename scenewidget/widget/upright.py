@@ -23,10 +23,10 @@ AXES: dict[str, tuple[float, float, float]] = {
     "-y": (0.0, -1.0, 0.0),
     "-z": (0.0, 0.0, -1.0),
 }
-ALIGNED = 0.94  # cosine up to which a face counts as facing an axis: 20 degrees
-N_SAMPLED = 100_000  # faces that are enough to tell
-LEAST_SHARE = 0.1  # of the area, facing along the axis, for any conclusion
-CLEARLY = 1.25  # how much better than z another axis must be, and how much more must face down than up
+ALIGNED = 0.94  # a face faces an axis if the cosine between them is at least this, that is within 20 degrees
+N_SAMPLED = 100_000  # of a larger mesh, about so many faces are looked at
+LEAST_SHARE = 0.1  # nothing is concluded if less of the area than this faces along the axis
+CLEARLY = 1.25  # another axis must be so much better than z, and so much more must face down than up
 
 
 def checked_up(up: Any) -> str | tuple[float, float, float]:

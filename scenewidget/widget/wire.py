@@ -59,7 +59,7 @@ __all__ = [
     "unpacked",
 ]
 
-UNLABELED = 0xFFFFFFFF  # -1 in the tables that cross to the browser
+UNLABELED = 0xFFFFFFFF  # stands for -1 in the tables that cross to the browser
 
 
 def header(array: npt.NDArray[Any]) -> dict[str, Any]:

@@ -26,4 +26,4 @@ mesh, surfaces = room()
 halves = 2 * surfaces + (mesh.face_centroids[:, 0] > 2.0)
 view = SceneView(mesh, height=420)
 """
-LABELLED = ROOM + "view.set_segments(surfaces, levels={'halves': halves, 'surfaces': surfaces})\n"
+LABELED = ROOM + "view.set_segments(surfaces, levels={'halves': halves, 'surfaces': surfaces})\n"

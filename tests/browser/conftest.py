@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cells import LABELLED
+from cells import LABELED
 from editing_page import WIDGET, Editor
 from PIL import Image
 
@@ -331,9 +331,9 @@ def page(profile: Any) -> Iterator[Any]:
 
 @pytest.fixture
 def saved(page: Any, tmp_path: Path) -> Iterator[View]:
-    """The labelled room as a page, opened from disk."""
+    """The labeled room as a page, opened from disk."""
     scope: dict[str, Any] = {}
-    exec(LABELLED, scope)
+    exec(LABELED, scope)
     view = scope["view"]
     sure = [0.5, 0.75, 1, 0.125, 0.25, 0.625]
     view.set_segments(scope["surfaces"], names=NAMES, confidence=sure)

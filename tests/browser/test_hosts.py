@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import pytest
-from cells import LABELLED
+from cells import LABELED
 from conftest import OWN_SOCKETS, VOILA_TROUBLES, Notebook, Server, View, errors_of, notebook_of, serve
 from editing_page import WIDGET, Editor
 from test_view import colors
@@ -85,7 +85,7 @@ def book(classic, profile):
 
 
 def test_notebook_7_shows_points_and_tells_python(book):
-    opened = book([LABELLED + "view"])
+    opened = book([LABELED + "view"])
     view = opened.view()
     assert colors(view.pixels()) >= 3
     part, place = next((part, place) for part, place in view.parts().items() if part)
@@ -155,7 +155,7 @@ def render(voila, profile):
 
 
 def test_voila_shows_points_and_tells_python(render):
-    shown = render(LABELLED + TELLING)
+    shown = render(LABELED + TELLING)
     view = shown.view()
     view.wait("live", "true")
     assert colors(view.pixels()) >= 3
@@ -195,7 +195,7 @@ if __name__ == "__main__":
 def test_marimo_shows_points_and_tells_python(tmp_path, profile):
     pytest.importorskip("marimo", reason="marimo isn't installed; it is no part of the test extra")
     script = tmp_path / "room.py"
-    script.write_text(MARIMO.format(room=textwrap.indent(LABELLED, "    ")))
+    script.write_text(MARIMO.format(room=textwrap.indent(LABELED, "    ")))
     command = [
         sys.executable,
         "-m",

@@ -6,13 +6,13 @@ import json
 from contextlib import contextmanager
 
 import pytest
-from cells import LABELLED
+from cells import LABELED
 
 
 @pytest.fixture
 def room(notebook):
-    """The labelled room, shown; nothing may go wrong in the console."""
-    book = notebook([LABELLED + "view"])
+    """The labeled room, shown; nothing may go wrong in the console."""
+    book = notebook([LABELED + "view"])
     book.run_all()
     view = book.view()
     view.settle()

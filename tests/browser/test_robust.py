@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from cells import LABELLED, ROOM
+from cells import LABELED, ROOM
 from conftest import difference, until
 from editing_page import WIDGET, Editor
 from test_view import colors
@@ -22,8 +22,8 @@ LIVING = "() => [...window.contexts].filter(context => !context.isContextLost())
 
 @pytest.fixture
 def room(notebook):
-    """The labelled room, shown; nothing may go wrong in the console."""
-    book = notebook([LABELLED + "view"])
+    """The labeled room, shown; nothing may go wrong in the console."""
+    book = notebook([LABELED + "view"])
     book.page.evaluate(COUNT_CONTEXTS)
     book.run_all()
     view = book.view()
@@ -90,7 +90,7 @@ def test_a_picture_put_aside_is_drawn_again(room):
 
 
 def test_scrolled_away_and_back_it_is_still_there(notebook):
-    book = notebook([LABELLED + "view", *["print('line\\n' * 60)"] * 4], height=700)
+    book = notebook([LABELED + "view", *["print('line\\n' * 60)"] * 4], height=700)
     book.run_all()
     view = book.view()
     view.settle()

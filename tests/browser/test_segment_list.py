@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cells import LABELLED
+from cells import LABELED
 from conftest import until
 from editing_page import WIDGET, Editor
 
@@ -43,10 +43,10 @@ class Rows:
 
 @pytest.fixture
 def room(notebook):
-    """The labelled room with names and confidences, its list open."""
+    """The labeled room with names and confidences, its list open."""
     names = "{2: 'wall 10', 3: 'wall 9', 0: '<i>floor</i>'}"
     sure = "[0.5, 0.75, 1, 0.125, 0.25, 0.625]"
-    book = notebook([LABELLED + f"view.set_segments(surfaces, names={names}, confidence={sure})\nview"])
+    book = notebook([LABELED + f"view.set_segments(surfaces, names={names}, confidence={sure})\nview"])
     book.run_all()
     view = book.view()
     view.settle()
@@ -186,7 +186,7 @@ def test_edits_show_in_the_list_at_once(notebook):
 
 
 def test_hundreds_of_segments_are_listed_and_scroll_into_sight(notebook):
-    many = LABELLED + (
+    many = LABELED + (
         "centers = mesh.face_centroids\n"
         "many = np.unique(np.column_stack([surfaces, (centers / 0.45).astype(int)]), axis=0, "
         "return_inverse=True)[1].ravel()\n"

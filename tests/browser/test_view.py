@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cells import LABELLED, ROOM
+from cells import LABELED, ROOM
 from conftest import difference, until
 
 
@@ -16,8 +16,8 @@ def colors(pixels: np.ndarray) -> int:
 
 @pytest.fixture
 def room(notebook):
-    """The labelled room, shown."""
-    book = notebook([LABELLED + "view"])
+    """The labeled room, shown."""
+    book = notebook([LABELED + "view"])
     book.run_all()
     view = book.view()
     view.settle()
@@ -119,7 +119,7 @@ def test_the_view_follows_the_size_of_its_cell(room):
 
 
 def test_two_views_of_one_model_share_its_state_but_not_the_camera(notebook):
-    book = notebook([LABELLED + "view", "view"], height=1300)
+    book = notebook([LABELED + "view", "view"], height=1300)
     book.run_all()
     first, second = book.view(0), book.view(1)
     still = second.pixels()

@@ -92,9 +92,9 @@ def test_unlabeled_faces_can_be_gathered_by_a_finer_level():
     labels = np.arange(48) // 8 - 1
     seg = Segmentation(mesh, labels, levels={"dihedral": np.arange(48, dtype=np.int32)})
     session = Session(mesh, seg)
-    with pytest.raises(EditError, match="face 0 is unlabelled"):
+    with pytest.raises(EditError, match="face 0 is unlabeled"):
         session.merge(0, 20)
-    with pytest.raises(EditError, match="onto_face 0 is unlabelled"):
+    with pytest.raises(EditError, match="onto_face 0 is unlabeled"):
         session.merge(20, 0)
     session.merge([0, 1], 20, level="dihedral")
     assert session.segmentation.labels[0] == session.segmentation.labels[20]

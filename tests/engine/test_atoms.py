@@ -1,4 +1,4 @@
-"""The common refinement of labellings."""
+"""The common refinement of labelings."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from hypothesis.extra import numpy as hnp
 
 from scenewidget.engine.atoms import common_refinement
 
-labellings = hnp.arrays(np.int32, (3, 12), elements=st.integers(-1, 4))
+labelings = hnp.arrays(np.int32, (3, 12), elements=st.integers(-1, 4))
 
 
-@given(labellings)
+@given(labelings)
 def test_atoms_are_the_coarsest_on_which_all_are_constant(columns):
     atoms = common_refinement(columns, 12)
     distinct = {tuple(row) for row in columns.T}
@@ -22,8 +22,8 @@ def test_atoms_are_the_coarsest_on_which_all_are_constant(columns):
         np.testing.assert_array_equal(table[atoms.face_atom], labels)
 
 
-@given(labellings)
-def test_a_labelling_that_cuts_an_atom_has_no_table(columns):
+@given(labelings)
+def test_a_labeling_that_cuts_an_atom_has_no_table(columns):
     atoms = common_refinement(columns[:1], 12)
     is_finer = len({tuple(row) for row in columns[:2].T}) > len(set(columns[0].tolist()))
     assert (atoms.table(columns[1]) is None) == is_finer

@@ -1,11 +1,14 @@
 """Figures that people ask for, and what they are told when they ask wrongly."""
 
+import inspect
+
 import numpy as np
 import pytest
 from shapes import box, grid_square, icosphere
 
 from scenewidget import figures
 from scenewidget.datasets import analytic
+from scenewidget.figures.drawing import draw
 
 
 def test_side_by_side_shares_one_camera():
@@ -60,3 +63,12 @@ def test_wrong_kinds_are_named():
         figures.show(grid_square(2), labels=np.zeros(8))
     with pytest.raises(TypeError, match="points must be vertex numbers"):
         figures.show(grid_square(2), points=[0.5])
+
+
+def test_the_signature_of_show_lists_every_option_of_a_drawing():
+    shown, drawn = (inspect.signature(function).parameters for function in (figures.show, draw))
+    assert shown.keys() - drawn.keys() == {"view", "width", "height"}
+    assert drawn.keys() - shown.keys() == {"middle"}
+    assert all(shown[name].default == drawn[name].default for name in shown.keys() & drawn.keys())
+    with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
+        figures.show(box(2), colour="red")

@@ -66,7 +66,7 @@ def test_disagreement_is_coloured_on_both_sides(compare):
     assert compare.views[1].color_by == "errors"
 
 
-def test_disagreement_of_two_labellings():
+def test_disagreement_of_two_labelings():
     a, b = np.array([0, 0, 0, 1, 1, -1, -1, 2]), np.array([5, 5, 1, 1, 1, -1, 1, 7])
     assert disagreement(a, b).tolist() == [1, 1, 2, 1, 1, 0, 2, 1]
     assert (disagreement(a, a)[a >= 0] == 1).all()

@@ -16,8 +16,8 @@ NAMES = ["rand_index_error", "global_consistency_error", "local_consistency_erro
 
 
 @st.composite
-def labellings(draw):
-    """Two labellings of some faces, -1 among them, the second with at least one label."""
+def labelings(draw):
+    """Two labelings of some faces, -1 among them, the second with at least one label."""
     n = draw(st.integers(2, 40))
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     a, b = rng.integers(-1, draw(st.integers(1, 6)), n), rng.integers(-1, draw(st.integers(1, 6)), n)
@@ -25,7 +25,7 @@ def labellings(draw):
     return a, b
 
 
-@given(labellings())
+@given(labelings())
 @settings(max_examples=60)
 def test_quick_scores_are_those_of_evaluate_however_faces_are_counted(pair):
     a, b = pair
@@ -37,7 +37,7 @@ def test_quick_scores_are_those_of_evaluate_however_faces_are_counted(pair):
     np.testing.assert_allclose([scores[name] for name in NAMES], row[NAMES].astype(float), atol=1e-12)
 
 
-@given(labellings())
+@given(labelings())
 @settings(max_examples=60)
 def test_partners_are_one_to_one_and_make_the_mean_iou(pair):
     a, b = pair
