@@ -88,6 +88,16 @@ def evaluate(
         Something that is no segmentation, or not a mapping.
     ValueError
         Labels of another mesh, an unknown metric, an empty mapping.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import square
+    >>> ours, truth = np.array([0, 0, 0, 0, 1, 1, 1, 1]), np.array([0, 0, 0, 0, 0, 0, 1, 1])
+    >>> scores = sw.evaluate({"ours": ours}, truth, square(2), metrics=["rand_index_error"])
+    >>> round(scores.loc["ours", "rand_index_error"].item(), 2)
+    0.43
     """
     import pandas as pd
 
@@ -128,6 +138,17 @@ def reliability(
     References
     ----------
     Naeini, Cooper and Hauskrecht (2015), AAAI.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.evaluation import reliability
+    >>> mesh, truth = square(2), np.arange(8) // 4
+    >>> ours = sw.Segmentation.from_labels(mesh, truth, confidence=np.linspace(0.1, 0.9, 8))
+    >>> len(reliability(ours, truth, n_bins=4))
+    4
     """
     import pandas as pd
 
@@ -189,7 +210,17 @@ def _count(labels: IntArray) -> int:
 
 
 def checked_truth(truth: Any, mesh: Mesh | None) -> tuple[Mesh, IntArray]:
-    """The mesh and its true labels per face; TypeError or ValueError if they can't be."""
+    """The mesh and its true labels per face; TypeError or ValueError if they can't be.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.evaluation import checked_truth
+    >>> mesh, labels = checked_truth(np.array([0, 1]), square(1))
+    >>> labels.tolist()
+    [0, 1]
+    """
     if mesh is None:
         if not isinstance(truth, Segmentation):
             raise TypeError("mesh is needed when truth is an array: evaluate(segmentations, truth, mesh)")

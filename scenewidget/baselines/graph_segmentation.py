@@ -77,6 +77,15 @@ def felzenszwalb(
     ------
     Cancelled
         The event was set.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import folded, square
+    >>> mesh = folded(square(6), "x", 0.5, np.pi / 2)
+    >>> sw.baselines.felzenszwalb(mesh, 0.5, min_size=10).n_segments
+    2
     """
     check_options(mesh, min_size, convexity)
     _check_threshold("threshold", threshold)
@@ -111,6 +120,16 @@ def karpathy_oversegmentations(
     -------
     segmentations : dict of threshold to Segmentation
         Ready for `scenewidget.evaluate`; the thesis gives the mean and the standard deviation over them.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import folded, square
+    >>> mesh = folded(square(6), "x", 0.5, np.pi / 2)
+    >>> found = sw.baselines.karpathy_oversegmentations(mesh, (0.5, 100.0), min_size=10)
+    >>> {threshold: segmentation.n_segments for threshold, segmentation in found.items()}
+    {0.5: 2, 100.0: 1}
     """
     values = check_thresholds(thresholds)
     check_options(mesh, min_size, convexity)

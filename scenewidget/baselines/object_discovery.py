@@ -121,6 +121,15 @@ def karpathy(
     Notes
     -----
     Symmetry, compactness and global convexity are taken on a fixed random sample of 400 vertices a piece.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import folded, square
+    >>> mesh = folded(square(6), "x", 0.5, np.pi / 2)
+    >>> sw.baselines.karpathy(mesh, (0.5, 1.0), min_size=10).coverage
+    1.0
     """
     values = check_thresholds(thresholds)
     check_options(mesh, min_size, convexity)

@@ -40,6 +40,13 @@ def objectness(measures: FloatArray) -> FloatArray:
     -------
     objectness : (n_pieces,) float64
         A measure that is the same for all pieces counts nothing.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.baselines.objectness import objectness
+    >>> objectness(np.array([[1.0, 10.0], [3.0, 30.0]])).tolist()  # two pieces, two measures
+    [-1.0, 1.0]
     """
     spread = measures.std(axis=0)
     centered = measures - measures.mean(axis=0)
@@ -57,6 +64,14 @@ def compactness(area: float, points: FloatArray) -> float:
         Square metres.
     points : (n_points, 3) float64
         Metres; the sphere goes around these.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.baselines.objectness import compactness
+    >>> from scenewidget.datasets.analytic import sphere
+    >>> round(compactness(4 * np.pi, sphere(3).vertices), 2)  # a ball: its sphere is its own
+    1.0
     """
     radius = smallest_sphere_radius(points)
     return area / (4.0 * np.pi * radius**2) if radius > 0 else 0.0
@@ -67,6 +82,13 @@ def smallest_sphere_radius(points: FloatArray, n_steps: int = 200) -> float:
 
     Steps towards the farthest point, each shorter than the last: Bădoiu and Clarkson (2003), *Smaller
     core-sets for balls*, SODA.
+
+    Examples
+    --------
+    >>> from scenewidget.baselines.objectness import smallest_sphere_radius
+    >>> from scenewidget.datasets.analytic import sphere
+    >>> round(smallest_sphere_radius(sphere(2, radius=2.0).vertices), 2)
+    2.0
     """
     center = 0.5 * (points.min(axis=0) + points.max(axis=0))
     best = np.inf
@@ -95,6 +117,14 @@ def symmetry(points: FloatArray, normals: FloatArray) -> float:
     -------
     symmetry : float
         At most 0.
+
+    Examples
+    --------
+    >>> from scenewidget.baselines.objectness import symmetry
+    >>> from scenewidget.datasets.analytic import sphere
+    >>> ball = sphere(2)
+    >>> abs(round(float(symmetry(ball.vertices, ball.vertices)), 2))
+    0.0
     """
     extents = np.ptp(points, axis=0)
     total = extents.sum()
@@ -122,6 +152,13 @@ def global_convexity(points: FloatArray) -> float:
     -------
     convexity : float
         At most 0; 0 for a convex or a flat piece.
+
+    Examples
+    --------
+    >>> from scenewidget.baselines.objectness import global_convexity
+    >>> from scenewidget.datasets.analytic import sphere
+    >>> abs(round(float(global_convexity(sphere(2).vertices)), 6))
+    0.0
     """
     try:
         facets = ConvexHull(points).equations
@@ -132,7 +169,16 @@ def global_convexity(points: FloatArray) -> float:
 
 
 def local_convexity(labels: IntArray, n_pieces: int, pairs: IntArray, is_convex: BoolArray) -> FloatArray:
-    """(n_pieces,) share of the edges inside each piece that are convex; 0 without edges."""
+    """(n_pieces,) share of the edges inside each piece that are convex; 0 without edges.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.baselines.objectness import local_convexity
+    >>> pairs, is_convex = np.array([[0, 1], [1, 2]]), np.array([True, True])
+    >>> local_convexity(np.array([0, 0, 1]), 2, pairs, is_convex).tolist()  # the second piece has no edge
+    [1.0, 0.0]
+    """
     piece = labels[pairs[:, 0]]
     inside = (piece == labels[pairs[:, 1]]) & (piece >= 0)
     edges = np.bincount(piece[inside], minlength=n_pieces)
@@ -151,6 +197,16 @@ def tangent_neighbours(
         Both orders of each pair.
     slot : (n_neighbours,) int8
         Angle of the step, projected into the tangent plane at the first, in eighths of a turn.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.baselines.objectness import tangent_neighbours
+    >>> positions = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    >>> normals, pairs = np.tile([0.0, 0.0, 1.0], (3, 1)), np.array([[0, 1], [1, 2]])
+    >>> first, second, slot = tangent_neighbours(positions, normals, pairs)
+    >>> sorted(zip(first.tolist(), second.tolist()))
+    [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)]
     """
     n = len(positions)
     ones = np.ones(len(pairs), dtype=np.int32)
@@ -179,6 +235,15 @@ def smoothness(
     about as many in their scans), directions fall in eight slots that each start at 1. Thin and ragged
     pieces see little around them and score low; a vertex that sees nothing scores log 8 by this rule,
     the most, so pieces of single vertices are not to be asked.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.baselines.objectness import smoothness, tangent_neighbours
+    >>> positions = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    >>> normals, pairs = np.tile([0.0, 0.0, 1.0], (3, 1)), np.array([[0, 1], [1, 2]])
+    >>> smoothness(np.zeros(3, int), 1, tangent_neighbours(positions, normals, pairs)).shape
+    (1,)
     """
     first, second, slot = neighbours
     same = labels[first] == labels[second]

@@ -25,6 +25,13 @@ def sphere(subdivisions: int = 4, *, radius: float = 1.0) -> Mesh:
     subdivisions : int
         Of an icosahedron: each divides every face into four.
     radius : float
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import sphere
+    >>> round(float(sphere(4).face_areas.sum()) / np.pi, 1)  # 4
+    4.0
     """
     import trimesh  # 0.3 s to import
 
@@ -43,6 +50,13 @@ def torus(ring: float = 1.0, tube: float = 0.4, *, n_ring: int = 64, n_tube: int
         Radius of the tube.
     n_ring, n_tube : int
         Cells around the axis and around the tube, two triangles each.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import torus
+    >>> round(float(torus().face_areas.sum()) / (4 * np.pi**2 * 0.4), 2)
+    1.0
     """
     u, v = np.meshgrid(
         2 * np.pi * np.arange(n_ring) / n_ring, 2 * np.pi * np.arange(n_tube) / n_tube, indexing="ij"
@@ -74,6 +88,12 @@ def square(
         diagonal on average is flipped.
     seed : int
         Of what is irregular.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets.analytic import square
+    >>> square(2, size=3.0).face_areas.sum().item()
+    9.0
     """
     if triangulation not in ("regular", "irregular"):
         raise ValueError(f'triangulation must be "regular" or "irregular", got {triangulation!r}')
@@ -96,6 +116,12 @@ def paper_figure(n: int = 40) -> Mesh:
 
     Cells have sides of 1/n, and n is a multiple of 10, so that vertices lie along the feet of the arms:
     x = 0.4, x = 0.6, y = 0.4, y = 0.6.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets.analytic import paper_figure
+    >>> paper_figure(10)
+    Mesh(66 vertices, 84 faces)
     """
     if n <= 0 or n % 10:
         raise ValueError(f"n must be a positive multiple of 10, got {n}")
@@ -121,6 +147,13 @@ def folded(mesh: Mesh, axis: Literal["x", "y"], at: float, angle: float) -> Mesh
         Where the line is.
     angle : float
         Radians.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import folded, square
+    >>> folded(square(2), "x", 0.5, np.pi / 2).vertices.max(axis=0).round(6).tolist()
+    [0.5, 1.0, 0.5]
     """
     if axis not in ("x", "y"):
         raise ValueError(f'axis must be "x" or "y", got {axis!r}')
@@ -134,7 +167,15 @@ def folded(mesh: Mesh, axis: Literal["x", "y"], at: float, angle: float) -> Mesh
 
 
 def part_of(mesh: Mesh, is_kept: BoolArray) -> Mesh:
-    """The mesh of the faces in ``is_kept``, (n_faces,) bool, without the vertices that only others used."""
+    """The mesh of the faces in ``is_kept``, (n_faces,) bool, without the vertices that only others used.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import part_of, square
+    >>> part_of(square(2), np.arange(8) < 2).n_vertices
+    4
+    """
     used, faces = np.unique(mesh.faces[is_kept], return_inverse=True)
     colors = None if mesh.vertex_colors is None else mesh.vertex_colors[used]
     vertices: FloatArray = mesh.vertices[used]

@@ -144,6 +144,13 @@ def simulate_room(
     -----
     UserWarning
         Not all objects found a place.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> mesh, truth = sw.datasets.simulate_room(n_objects=1, voxel=0.1, clutter=0)  # a coarse one
+    >>> "floor" in truth.names
+    True
     """
     _check_counts(seed=seed, n_objects=n_objects, clutter=clutter)
     for name, value, low, high in (

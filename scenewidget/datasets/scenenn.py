@@ -69,6 +69,11 @@ def load_scenenn(
     MeshError
         A damaged file, vertices without labels, an XML of another scene, or one with a DOCTYPE, which
         could define entities that expand without end.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> mesh, objects = sw.datasets.load_scenenn("036.ply")  # doctest: +SKIP
     """
     if unnamed not in ("unlabeled", "segments"):
         raise ValueError(f"unnamed must be 'unlabeled' or 'segments', got {unnamed!r}")

@@ -26,6 +26,13 @@ def load_room() -> tuple[Mesh, Segmentation]:
         Some 250 000 faces with vertex colours, z up, metres, normals into the room.
     truth : Segmentation
         One named segment a thing.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> mesh, truth = sw.datasets.load_room()
+    >>> truth.n_segments, truth.names[0]
+    (31, 'ceiling')
     """
     data = resources.files("scenewidget.datasets").joinpath(ROOM_FILE).read_bytes()
     mesh, labels, names = unpack(data)

@@ -35,6 +35,19 @@ def component_shares(items: Items, dihedral: IntArray, allocation: Allocation = 
     -------
     share : (n_components,) float64
         Summing to 1; all 1 for "same".
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.allocation import component_shares
+    >>> from scenewidget.engine.items import patch_items
+    >>> far = square(2).vertices + 5.0
+    >>> mesh = sw.Mesh([*square(2).vertices, *far], [*square(2).faces, *(square(2).faces + 9)])
+    >>> items = patch_items(mesh, np.arange(16) // 8)  # one item each
+    >>> component_shares(items, np.array([0] * 8 + [1] * 4 + [2] * 4)).round(2).tolist()
+    [0.33, 0.67]
     """
     component = items.component
     n = int(component.max()) + 1
@@ -66,5 +79,12 @@ def allocate(total: int, share: FloatArray, size: IntArray) -> IntArray:
     -------
     count : (n_components,) int64
         At least 1 each, so that many components can exceed the total.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.allocation import allocate
+    >>> allocate(20, np.array([0.7, 0.25, 0.05]), np.array([100, 3, 100])).tolist()
+    [14, 3, 1]
     """
     return np.clip(np.rint(total * share), 1, size).astype(np.int64)

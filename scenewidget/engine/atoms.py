@@ -22,7 +22,16 @@ TABLE_LIMIT = 1 << 25  # codes up to here are renumbered through a table of 9 by
 
 @dataclass(frozen=True, eq=False)
 class Atoms:
-    """Which atom each face belongs to."""
+    """Which atom each face belongs to.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.atoms import common_refinement
+    >>> atoms = common_refinement([np.array([0, 0, 1, 1]), np.array([0, 1, 1, 1])], 4)
+    >>> atoms.face_atom.tolist(), atoms.n, atoms.table(np.array([7, 8, 9, 9])).tolist()
+    ([0, 1, 2, 2], 3, [7, 8, 9])
+    """
 
     face_atom: npt.NDArray[np.uint32]  # (n_faces,) dense, numbered from 0
     first_face: IntArray  # (n_atoms,) the first face of each atom
@@ -76,6 +85,13 @@ def common_refinement(columns: Iterable[IntArray], n_faces: int) -> Atoms:
         Labels; -1 and above, gaps allowed.
     n_faces : int
         Faces without any column form a single atom.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.atoms import common_refinement
+    >>> common_refinement([np.array([0, 0, 1, 1]), np.array([0, 1, 1, 1])], 4).face_atom.tolist()
+    [0, 1, 2, 2]
     """
     face_atom: IntArray = np.zeros(n_faces, np.int64)
     n_atoms = 1 if n_faces else 0
@@ -86,7 +102,15 @@ def common_refinement(columns: Iterable[IntArray], n_faces: int) -> Atoms:
 
 
 def by_first_appearance(values: npt.NDArray[Any]) -> npt.NDArray[np.int32]:
-    """(n,) int32: equal values get equal numbers, 0, 1, … in the order in which they first appear."""
+    """(n,) int32: equal values get equal numbers, 0, 1, … in the order in which they first appear.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.atoms import by_first_appearance
+    >>> by_first_appearance(np.array([7, 3, 7, 5])).tolist()
+    [0, 1, 0, 2]
+    """
     _, first, inverse = np.unique(values, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.int32)
     rank[np.argsort(first)] = np.arange(len(first), dtype=np.int32)
@@ -102,6 +126,13 @@ def renumbered(group: IntArray, labels: IntArray) -> npt.NDArray[np.int32]:
         Of each label.
     labels : (n,) int
         −1 for none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.atoms import renumbered
+    >>> renumbered(np.array([4, 2, 4]), np.array([0, 1, 2, -1])).tolist()
+    [1, 0, 1, -1]
     """
     _, dense = np.unique(group, return_inverse=True)
     return np.append(dense, -1)[labels].astype(np.int32)  # label −1 is the last entry

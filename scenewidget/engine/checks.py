@@ -29,6 +29,17 @@ def checked_count(name: str, value: Any, *, most: int | None = None) -> int:
         Not a whole number; neither True nor 2.0 is one.
     ValueError
         Out of range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.checks import checked_count
+    >>> checked_count("n_runs", np.int64(3))
+    3
+    >>> checked_count("n_runs", 0)
+    Traceback (most recent call last):
+        ...
+    ValueError: n_runs must be at least 1, got 0
     """
     count = checked_whole(name, value)
     if count < 1:
@@ -51,6 +62,14 @@ def checked_whole(name: str, value: Any) -> int:
     ------
     TypeError
         Not a whole number.
+
+    Examples
+    --------
+    >>> from scenewidget.engine.checks import checked_whole
+    >>> checked_whole("seed", 2.0)
+    Traceback (most recent call last):
+        ...
+    TypeError: seed must be a whole number, got 2.0
     """
     if isinstance(value, bool) or not hasattr(value, "__index__"):
         raise TypeError(f"{name} must be a whole number, got {value!r:.200}")
@@ -63,6 +82,16 @@ def warn_caller(message: str) -> None:
     Parameters
     ----------
     message : str
+
+    Examples
+    --------
+    >>> import warnings
+    >>> from scenewidget.engine.checks import warn_caller
+    >>> with warnings.catch_warnings(record=True) as heard:
+    ...     warnings.simplefilter("always")
+    ...     warn_caller("the mesh is 4000 across")
+    >>> str(heard[0].message)[:61]
+    'the mesh is 4000 across'
     """
     depth, frame = 1, sys._getframe(1)
     while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):

@@ -55,6 +55,16 @@ class CoAssociation(NamedTuple):
         Sum of the items' weights in each base segment.
     base : (n_items,) int32
         Base segment of each item, numbered by first appearance.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.consensus import co_association
+    >>> co = co_association(np.array([[0, 0], [0, 1], [1, 1], [1, 1]]))
+    >>> co.base.tolist(), co.C.tolist()
+    ([0, 1, 2, 2], [[1.0, 0.5, 0.0], [0.5, 1.0, 0.5], [0.0, 0.5, 1.0]])
+    >>> co.between(np.array([0, 0, 1, 1]), np.ones(4), 2).tolist()
+    [[3.0, 1.0], [1.0, 4.0]]
     """
 
     C: FloatArray
@@ -118,7 +128,15 @@ class CoAssociation(NamedTuple):
 
 
 def base_segments(keys: IntArray) -> IntArray:
-    """(n_items,) int32: items with equal keys get equal numbers, by first appearance (Eq. 3.10)."""
+    """(n_items,) int32: items with equal keys get equal numbers, by first appearance (Eq. 3.10).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.consensus import base_segments
+    >>> base_segments(np.array([[0, 0], [0, 1], [0, 0]])).tolist()
+    [0, 1, 0]
+    """
     keys = np.ascontiguousarray(keys, dtype=np.int32)
     if keys.ndim != 2:
         raise ValueError(f"keys must have shape (n_items, n_runs), got {keys.shape}")
@@ -144,6 +162,14 @@ def co_association(keys: IntArray, weights: FloatArray | None = None, *, n_threa
     -------
     CoAssociation
         A named tuple (C, weights, base).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.consensus import co_association
+    >>> keys = np.array([[0, 0, 0], [0, 0, 1], [1, 1, 1]])  # three items in three runs
+    >>> co_association(keys).C.round(2).tolist()
+    [[1.0, 0.67, 0.0], [0.67, 1.0, 0.33], [0.0, 0.33, 1.0]]
     """
     keys = np.asarray(keys)
     if keys.ndim != 2 or keys.dtype.kind not in "iu":
@@ -224,6 +250,14 @@ def mean_agreement(C: FloatArray, base: IntArray, segment: IntArray, weights: Fl
     Returns
     -------
     agreement : (n_pieces,) float64
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.consensus import mean_agreement
+    >>> C = np.array([[1.0, 0.5], [0.5, 1.0]])
+    >>> mean_agreement(C, np.array([0, 1]), np.array([0, 0]), np.array([3.0, 1.0])).tolist()
+    [0.875, 0.625]
     """
     order = np.argsort(segment, kind="stable")
     start = np.concatenate([[0], np.cumsum(np.bincount(segment))])
@@ -259,6 +293,14 @@ def confidence(co: CoAssociation, labels: IntArray) -> FloatArray:
     -------
     confidence : (n_items,) float64
         `evidence.calibrated` of the item's mean co-association with its segment, weighted by area.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.consensus import co_association, confidence
+    >>> co = co_association(np.array([[0, 0, 0], [0, 0, 1], [0, 1, 1], [1, 1, 1]]))
+    >>> confidence(co, np.array([0, 0, 0, 1])).round(2).tolist()
+    [0.86, 0.88, 0.86, 0.89]
     """
     n, n_base = int(labels.max()) + 1, len(co.weights)
     code, index, inverse = np.unique(
@@ -282,6 +324,14 @@ def component_trees(
     component : (n_items,) int
         From 0.
     monitor : Monitor, optional
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.consensus import co_association, component_trees
+    >>> co = co_association(np.array([[0, 0], [0, 1], [1, 2]]))
+    >>> [len(tree) for tree in component_trees(co, np.array([0, 0, 1]))]
+    [1, 0]
     """
     monitor = monitor or SILENT
     trees = []
@@ -334,6 +384,16 @@ def peac_by_component(
     -----
     UserWarning
         Much of the area is left over, or a component did not converge.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.consensus import co_association, component_trees, peac_by_component
+    >>> co = co_association(np.array([[0, 0], [0, 0], [1, 1], [2, 2]]))
+    >>> component = np.array([0, 0, 0, 1])
+    >>> trees = component_trees(co, component)
+    >>> peac_by_component(co, component, np.array([0.7, 0.3]), 3, trees=trees).tolist()
+    [0, 1, 2]
     """
     out = np.empty(len(co.weights), dtype=np.int32)
     labels: IntArray
@@ -399,6 +459,17 @@ def settle_leftovers(
         Dense.
     share : float
         Share of the weight in such columns.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.consensus import settle_leftovers
+    >>> from scenewidget.engine.peac import PeacResult
+    >>> C = np.array([[1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [0.5, 0.5, 1.0]])
+    >>> Y = np.array([[1.0, 0.0, 0.4], [0.0, 1.0, 0.3], [0.0, 0.0, 0.3]])  # the third belongs nowhere
+    >>> result = PeacResult(Y, np.array([0, 1, 0]), 0.0, 0.0, True, 1)
+    >>> [settle_leftovers(result, C, np.ones(3), rule)[0].tolist() for rule in ("alone", "argmax")]
+    [[0, 1, 2], [0, 1, 0]]
     """
     is_left = result.Y.max(axis=0) < 0.5
     labels = result.labels.astype(np.int64)
@@ -447,6 +518,14 @@ def median_partition(C: FloatArray, weights: FloatArray, *, seed: int = 0, max_s
     References
     ----------
     Goder and Filkov (2008), ALENEX: "best one element moves".
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.consensus import median_partition
+    >>> C = np.array([[1.0, 0.8, 0.2], [0.8, 1.0, 0.4], [0.2, 0.4, 1.0]])
+    >>> median_partition(C, np.ones(3)).tolist()
+    [0, 0, 1]
     """
     C = np.ascontiguousarray(C, dtype=np.float64)
     a = np.ascontiguousarray(weights, dtype=np.float64)

@@ -53,6 +53,14 @@ def edge_costs(
     Returns
     -------
     costs : (n_pairs,) float64
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.distances import edge_costs
+    >>> normals = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+    >>> edge_costs(normals, np.array([[0, 1], [1, 2]])).tolist()
+    [0.0, 1.0]
     """
     dots = np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]])
     return np.asarray(np.maximum(a + b * np.clip(dots, -1.0, 1.0), 0.0) ** exponent)
@@ -93,6 +101,14 @@ def edge_weights(
     Returns
     -------
     weights : (n_pairs,) float64
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.distances import edge_weights
+    >>> options = {"is_convex": np.array([False, True]), "convex_weight": 0.2, "hop": 0.02}
+    >>> edge_weights(None, np.array([0.0, 1.0]), np.ones(2), **options).round(3).tolist()
+    [0.02, 0.22]
     """
     steps: Any = 1.0 if feature_steps is None else feature_steps
     if feature_steps is not None and feature_floor > 0 and len(feature_steps):
@@ -119,6 +135,17 @@ def warn_of_vanishing_features(feature_steps: FloatArray, costs: FloatArray) -> 
     -----
     UserWarning
         A fifth of the pairs that cost more than 0.1 have next to no feature step.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import numpy as np
+    >>> from scenewidget.engine.distances import warn_of_vanishing_features
+    >>> with warnings.catch_warnings(record=True) as heard:
+    ...     warnings.simplefilter("always")
+    ...     warn_of_vanishing_features(np.array([0.0, 0.0, 1.0]), np.array([1.0, 1.0, 0.0]))
+    >>> str(heard[0].message)[:61]
+    '100% of the creases have the same feature on both sides, so d'
     """
     is_crease = costs > 0.1
     if not is_crease.any() or len(feature_steps) == 0:
@@ -143,6 +170,13 @@ def weight_graph(n_items: int, pairs: IntArray, weights: FloatArray) -> sparse.c
         Neighbours.
     weights : (n_pairs,) float
         Not negative.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.distances import weight_graph
+    >>> weight_graph(3, np.array([[0, 1], [1, 2], [0, 1]]), np.array([2.0, 3.0, 1.0])).toarray().tolist()
+    [[0.0, 1.0, 0.0], [1.0, 0.0, 3.0], [0.0, 3.0, 0.0]]
     """
     low, high = pairs.min(axis=1, initial=n_items), pairs.max(axis=1, initial=-1)
     order = np.lexsort((weights, high, low))
@@ -226,6 +260,15 @@ class MinPlusFactor:
         The node that is eliminated at each step.
     indptr, indices, values
         Column j: the later steps that step j has edges to, ascending, and their weights (float32).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scipy import sparse
+    >>> from scenewidget.engine.distances import MinPlusFactor
+    >>> graph = sparse.csr_array([[0, 2.0, 0], [2.0, 0, 3.0], [0, 3.0, 0]])
+    >>> MinPlusFactor(graph).rows(np.array([2])).tolist()
+    [[5.0, 3.0, 0.0]]
     """
 
     order: IntArray

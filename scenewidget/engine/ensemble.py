@@ -64,6 +64,19 @@ def k_medoids_members(
     Returns
     -------
     keys : (n, n_runs) int32
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.distances import all_pairs
+    >>> from scenewidget.engine.ensemble import k_medoids_members
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(square(2), np.arange(8))
+    >>> D = all_pairs(items.graph)
+    >>> keys = k_medoids_members(items, [D], np.ones(1), k_range=(2, 3), n_runs=4)
+    >>> keys.shape, sorted(set((keys.max(axis=0) + 1).tolist()))
+    ((8, 4), [3])
     """
     monitor = monitor or SILENT
     component = items.component
@@ -129,6 +142,16 @@ def felzenszwalb_members(
     Returns
     -------
     keys : (n, n_runs) int32
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import folded, square
+    >>> from scenewidget.engine.ensemble import felzenszwalb_members
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(folded(square(4), "x", 0.5, np.pi / 2), np.arange(32))
+    >>> felzenszwalb_members(items, n_runs=3).shape
+    (32, 3)
     """
     monitor = monitor or SILENT
     costs = edge_costs(items.normals, items.pairs, a=1.0, b=-1.0, exponent=cost_exponent)
@@ -180,6 +203,16 @@ def merge_flat(
     -------
     labels : (n,) int32
         Dense again.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.ensemble import merge_flat
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(square(2), np.arange(8))
+    >>> merge_flat(items, np.arange(8)).tolist()
+    [0, 0, 0, 0, 0, 0, 0, 0]
     """
     labels = labels.astype(np.int64)
     n = int(labels.max(initial=-1)) + 1

@@ -42,6 +42,13 @@ def same_thing(agreement: FloatArray) -> FloatArray:
     -------
     probability : (…) float64
         Of a pair of faces, one of each, rising with the agreement.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.evidence import same_thing
+    >>> same_thing(np.array([0.1, 0.45, 0.9])).round(2).tolist()
+    [0.03, 0.5, 0.99]
     """
     slope, middle = SAME_THING
     return np.asarray(1.0 / (1.0 + np.exp(-slope * (np.asarray(agreement, np.float64) - middle))))
@@ -59,12 +66,27 @@ def calibrated(agreement: FloatArray) -> FloatArray:
     -------
     confidence : (…) float64
         Rising with the agreement; straight lines between the knots.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.evidence import calibrated
+    >>> calibrated(np.array([0.0, 0.35, 1.0])).round(3).tolist()
+    [0.0, 0.616, 0.891]
     """
     return np.asarray(np.interp(agreement, *CONFIDENCE))
 
 
 def agreement_behind(confidence: FloatArray) -> FloatArray:
-    """The agreement of which `calibrated` makes this confidence."""
+    """The agreement of which `calibrated` makes this confidence.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.evidence import agreement_behind, calibrated
+    >>> agreement_behind(calibrated(np.array([0.1, 0.4]))).round(6).tolist()
+    [0.1, 0.4]
+    """
     return np.asarray(np.interp(confidence, *CONFIDENCE[::-1]))
 
 
@@ -78,6 +100,13 @@ def foreign(confidence: FloatArray) -> FloatArray:
     ----------
     confidence : (…) float
         Mean over the part.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.evidence import foreign
+    >>> foreign(np.array([0.3, 0.9])).round(3).tolist()
+    [0.637, 0.013]
     """
     return np.asarray(np.minimum(FOREIGN * (1.0 - np.asarray(confidence, np.float64)) ** 2, 1.0))
 
@@ -103,6 +132,16 @@ def agreement_of_groups(
         Share of the runs in which two random places, one of each group, share a cluster; 0 for a group
         without weight. The diagonal is that of a group with itself.
     with_groups : (n_asked, n_groups) float64
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.evidence import agreement_of_groups
+    >>> keys = np.array([[0, 0], [0, 1], [1, 1]])  # three parts in two runs
+    >>> group = np.array([0, 1, 1])  # the last two are one group
+    >>> between, with_groups = agreement_of_groups(keys, np.ones(3), np.arange(3), group, 2, np.array([0]))
+    >>> between.round(3).tolist(), with_groups.tolist()
+    ([[1.0, 0.25], [0.25, 0.75]], [[1.0, 0.25]])
     """
     keys = np.asarray(keys, np.int64)
     n_runs = keys.shape[1]

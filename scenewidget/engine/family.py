@@ -43,6 +43,14 @@ class Family:
         larger area, stands for both from then on.
     similarity : (most − least,) float64
         Mean co-association of the two: the share of the runs that put them together.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import folded, square
+    >>> family = sw.Pipeline(folded(square(6, size=2.0), "x", 1.0, 1.5)).family()
+    >>> family.cut(2).n_segments
+    2
     """
 
     segmentation: Segmentation
@@ -145,6 +153,19 @@ def fine_pieces(items: Items, co: CoAssociation, tree: FloatArray) -> IntArray:
         Of the items.
     tree : (n_base − 1, 4) float64
         `average_linkage` of its base segments.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.consensus import co_association
+    >>> from scenewidget.engine.family import fine_pieces
+    >>> from scenewidget.engine.items import patch_items
+    >>> from scenewidget.engine.linkage import average_linkage
+    >>> items = patch_items(square(2), np.array([0, 0, 1, 1, 2, 2, 2, 2]))
+    >>> co = co_association(np.array([[0, 0], [0, 0], [1, 1]]), items.areas)
+    >>> fine_pieces(items, co, average_linkage(co.C, co.weights)).tolist()
+    [0, 0, 1]
     """
     return connected_pieces(cut_tree(tree, similarity=FINE_SIMILARITY)[co.base], items.pairs)
 
@@ -171,6 +192,18 @@ def make_family(
         At each step the two segments are joined that touch and have the largest mean co-association; first
         within the segments of ``segmentation``, where in the end those that don't touch are joined too,
         then among them.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import folded, square
+    >>> from scenewidget.engine.family import make_family
+    >>> pipe = sw.Pipeline(folded(square(6, size=2.0), "x", 1.0, 1.5))
+    >>> items, co = pipe.get("items"), pipe.get("coassociation")
+    >>> family = make_family(pipe.run(), np.arange(items.n), co)
+    >>> family.most == items.n, family.cut(family.least).n_segments == family.least
+    (True, True)
     """
     items, run, face_map = segmentation.items, segmentation.item_labels, segmentation.face_map
     if items is None or run is None or face_map is None:

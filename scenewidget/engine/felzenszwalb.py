@@ -49,6 +49,14 @@ def felzenszwalb(
     labels : (n_items,) int32
         Dense, numbered by the first item of each piece. Ties in weight are taken in the order of the
         pairs.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.felzenszwalb import felzenszwalb
+    >>> pairs = np.array([[0, 1], [1, 2], [2, 3]])
+    >>> felzenszwalb(4, pairs, np.array([0.1, 0.9, 0.1]), threshold=0.2).tolist()
+    [0, 0, 1, 1]
     """
     if not threshold >= 0:
         raise ValueError(f"threshold must be at least 0, got {threshold}")

@@ -34,6 +34,14 @@ class Finished:
         Dense.
     confidence : (n_items,) float64
         Probability that an item and its segment are one thing, as the consensus left them.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import square
+    >>> finished = sw.Pipeline(square(6, size=2.0)).get("finish")
+    >>> finished.labels.max().item(), finished.confidence.shape == finished.labels.shape
+    (0, True)
     """
 
     labels: IntArray
@@ -68,6 +76,20 @@ def finish(
     furniture : float
         Mean co-association down to which `join_furniture` joins; 1 joins none.
     monitor : Monitor, optional
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.consensus import co_association
+    >>> from scenewidget.engine.finish import finish
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(square(4, size=2.0), np.arange(32) // 8)
+    >>> co = co_association(np.array([[0, 0], [0, 0], [1, 1], [1, 1]]), items.areas)
+    >>> finish(items, co, np.array([0, 1])).labels.tolist()  # one floor
+    [0, 0, 0, 0]
+    >>> finish(items, co, np.array([0, 1]), planes=False).labels.tolist()
+    [0, 0, 1, 1]
     """
     pieces = connected_pieces(consensus[co.base], items.pairs)
     labels = tidied(
@@ -121,6 +143,17 @@ def tidied(
     -------
     labels : (n_items,) int32
         Dense.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.finish import tidied
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(square(4, size=2.0), np.arange(32) // 8)
+    >>> options = {"planes": True, "relief": 0.0, "contrast": 0.0, "min_area": 0.0}
+    >>> tidied(items, np.arange(4, dtype=np.int32), **options).tolist()  # one floor
+    [0, 0, 0, 0]
     """
     monitor = monitor or SILENT
     if planes:
@@ -147,6 +180,13 @@ def connected_pieces(labels: IntArray, pairs: IntArray) -> IntArray:
     -------
     pieces : (n,) int32
         Dense, numbered by first appearance.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.finish import connected_pieces
+    >>> connected_pieces(np.array([0, 1, 0, -1]), np.array([[0, 1], [1, 2], [2, 3]])).tolist()
+    [0, 1, 2, -1]
     """
     same = pairs[labels[pairs[:, 0]] == labels[pairs[:, 1]]]
     _, piece = connected_components(len(labels), same)
@@ -170,6 +210,16 @@ def absorb_small(items: Items, labels: IntArray, min_area: float) -> IntArray:
     -------
     labels : (n,) int32
         Dense.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.finish import absorb_small
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(square(2), np.array([0, 0, 0, 0, 0, 0, 0, 1]))
+    >>> absorb_small(items, np.array([0, 1], np.int32), min_area=0.2).tolist()
+    [0, 0]
     """
     labels = labels.astype(np.int64)
     while True:

@@ -46,6 +46,18 @@ def join_furniture(
     -------
     labels : (n_items,) int32
         Dense, in the order of the labels given.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.consensus import co_association
+    >>> from scenewidget.engine.furniture import join_furniture
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(square(2), np.array([0, 0, 0, 0, 1, 1, 1, 1]))
+    >>> co = co_association(np.array([[0, 0], [0, 1]]), items.areas)  # half of the runs put them together
+    >>> join_furniture(items, np.arange(2), co, similarity=0.5, touch=(0.0, 1.0)).tolist()
+    [0, 0]
     """
     borders = items.touching(labels)
     touching, index = np.unique(borders.labels, return_inverse=True)  # the others can't join anything

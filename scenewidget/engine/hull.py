@@ -43,6 +43,17 @@ class Planes:
     is_hull : (n,) bool
         Large, flat, and next to nothing of the scene behind it, or from the floor to the ceiling: behind the
         walls at the inner corner of an L is the other leg of the room.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.hull import segment_planes
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(square(4, size=2.0), np.zeros(32, int))
+    >>> planes = segment_planes(items, np.zeros(1, int))
+    >>> planes.areas.round(3).tolist(), planes.normals.round(3).tolist(), planes.is_hull.tolist()
+    ([4.0], [[0.0, 0.0, 1.0]], [True])
     """
 
     areas: FloatArray
@@ -81,6 +92,16 @@ def segment_planes(
     gap : float
         How near to both floor and ceiling, the largest two pieces of the hull that face each other, a wall
         comes that has more behind it, metres.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import folded, square
+    >>> from scenewidget.engine.hull import segment_planes
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(folded(square(4, size=2.0), "x", 1.0, np.pi / 2), np.arange(32) // 16)
+    >>> segment_planes(items, np.arange(2)).is_hull.tolist()
+    [True, True]
     """
     n = int(labels.max(initial=-1)) + 1
     keep = labels >= 0
@@ -160,6 +181,18 @@ def join_planes(
     -------
     labels : (n_items,) int32
         Dense.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import part_of, square
+    >>> from scenewidget.engine.hull import join_planes
+    >>> from scenewidget.engine.items import patch_items
+    >>> floor = square(6, size=3.0)
+    >>> mesh = part_of(floor, np.abs(floor.face_centroids[:, 0] - 1.5) > 0.5)  # a gap of 1 m
+    >>> items = patch_items(mesh, mesh.face_centroids[:, 0] > 1.5)
+    >>> join_planes(items, np.arange(2)).tolist()
+    [0, 0]
     """
     join = partial(
         _joined, items, smallest_seed=smallest_seed, reach=reach, shell=shell, near=near, bend=bend

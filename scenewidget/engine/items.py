@@ -48,6 +48,16 @@ class Touching:
         Of the two, in the order of ``Items.pairs``; two labels that touch in several places come as often.
     seam_edges : (n_touching,) int64
         Number of edges of the mesh along which the two items meet.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(square(2), np.arange(8) // 2)
+    >>> borders = items.touching(np.array([0, 0, 1, 1]))
+    >>> borders.labels.tolist(), borders.seam_edges.tolist()
+    ([[0, 1], [0, 1]], [1, 1])
     """
 
     labels: IntArray
@@ -82,6 +92,17 @@ class Items:
         Item of each face of the mesh as loaded, −1 where it was dropped.
     report : dict
         What was reached and dropped.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(square(2), np.array([0, 0, 0, 0, 1, 1, 1, 1]))
+    >>> items, items.areas.tolist(), items.pairs.tolist(), items.seam_edges.tolist()
+    (Items(2 items, 1 pairs), [0.5, 0.5], [[0, 1]], [2])
+    >>> items.to_faces(np.array([5, 6]), -1).tolist()
+    [5, 5, 5, 5, 6, 6, 6, 6]
     """
 
     areas: FloatArray
@@ -208,6 +229,15 @@ def simplified_items(mesh: Mesh, pairs: IntArray, *, monitor: Monitor | None = N
         Told how far it is; stops it on cancel.
     **options
         Of `preprocess.simplify`.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.items import simplified_items
+    >>> from scenewidget.engine.mesh import face_adjacency
+    >>> mesh = square(20)
+    >>> simplified_items(mesh, face_adjacency(mesh), n_faces=100).n <= 100
+    True
     """
     simplified = simplify(mesh, pairs, monitor=monitor, **options)
     small = simplified.mesh
@@ -251,6 +281,17 @@ def superfacet_items(
         Fragments whose borders are at most this far apart (metres) count as neighbours.
     monitor : Monitor, optional
         Told how far it is; stops it on cancel.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import folded, square
+    >>> from scenewidget.engine.items import superfacet_items
+    >>> from scenewidget.engine.mesh import face_adjacency
+    >>> mesh = folded(square(20), "x", 0.5, np.pi / 2)
+    >>> items = superfacet_items(mesh, face_adjacency(mesh), n_items=10)
+    >>> items.n <= 10, np.abs(items.normals).max(axis=1).min().round(2).item()
+    (True, 1.0)
     """
     monitor = monitor or SILENT
     if not mesh.face_areas.any():
@@ -315,6 +356,15 @@ def patch_items(
     face_map : (n_raw_faces,) int32, optional
         Patch of each face of the mesh as loaded, where that is another mesh or has more faces in patches.
     report : dict, optional
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(square(2), np.array([0, 0, 0, 0, 1, 1, 1, -1]))
+    >>> items.areas.tolist(), items.face_map.tolist()
+    ([0.5, 0.375], [0, 0, 0, 0, 1, 1, 1, -1])
     """
     item_of_face = np.asarray(patch, dtype=np.int32)
     face_pairs = face_adjacency(mesh) if pairs is None else pairs
@@ -387,6 +437,17 @@ def find_bridges(mesh: Mesh, pairs: IntArray, reach: float) -> IntArray:
         For each border face of a component other than the largest its nearest border face of another
         component, if within reach; then the same for the components that these bridges make, until no
         component finds another.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.items import find_bridges
+    >>> from scenewidget.engine.mesh import face_adjacency
+    >>> beside = square(1).vertices + [1.02, 0.0, 0.0]
+    >>> mesh = sw.Mesh([*square(1).vertices, *beside], [*square(1).faces, *(square(1).faces + 4)])
+    >>> find_bridges(mesh, face_adjacency(mesh), 0.8).tolist()
+    [[0, 3]]
     """
     border = np.flatnonzero(np.bincount(pairs.ravel(), minlength=mesh.n_faces) < 3)
     bridges: IntArray = np.empty((0, 2), dtype=np.int32)

@@ -40,6 +40,15 @@ class KMedoidsResult:
         Sum of the distances to the medoids, over the items that reach one.
     n_iter : int
         Updates of the medoids, the last of which did not lower the cost.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.kmedoids import k_medoids
+    >>> place = np.array([0.0, 1.0, 2.0, 10.0, 11.0, 12.0])
+    >>> result = k_medoids(np.abs(place[:, None] - place), 2)
+    >>> result.cost, sorted(result.medoids.tolist())
+    (4.0, [1, 4])
     """
 
     labels: IntArray
@@ -136,6 +145,14 @@ def alternate(
         Different items.
     ties : str
         See `k_medoids`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.kmedoids import alternate
+    >>> place = np.array([0.0, 1.0, 2.0, 10.0, 11.0, 12.0])
+    >>> alternate(np.abs(place[:, None] - place), np.array([0, 1])).labels.tolist()
+    [0, 0, 0, 1, 1, 1]
     """
     labels, medoids, cost, n_iter = _alternate(D, medoids, MAX_ITER, ties == "first")
     return KMedoidsResult(labels, medoids, float(cost), int(n_iter))
@@ -157,6 +174,14 @@ def initial_medoids(
     k : int
     init : str
     seed : int or SeedSequence
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.kmedoids import initial_medoids
+    >>> place = np.array([0.0, 1.0, 2.0, 10.0, 11.0, 12.0])
+    >>> len(set(initial_medoids(np.abs(place[:, None] - place), 3, init="outmost").tolist()))
+    3
     """
     rng = np.random.default_rng(seed)
     n = len(D)

@@ -32,6 +32,14 @@ def average_linkage(C: FloatArray, weights: FloatArray) -> FloatArray:
     tree : (n − 1, 4) float64
         scipy's format: the two clusters merged, their distance 1 − mean C, the number of parts.
         Distances ascend.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.linkage import average_linkage
+    >>> C = np.array([[1.0, 0.8, 0.2], [0.8, 1.0, 0.4], [0.2, 0.4, 1.0]])
+    >>> average_linkage(C, np.ones(3)).round(2).tolist()  # 0 and 1 first, then both with 2
+    [[0.0, 1.0, 0.2, 2.0], [2.0, 3.0, 0.7, 3.0]]
     """
     n = len(C)
     if n == 1:
@@ -59,6 +67,15 @@ def cut_tree(tree: FloatArray, *, n_clusters: int | None = None, similarity: flo
     -------
     labels : (n,) int32
         Dense, numbered by first appearance.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.linkage import average_linkage, cut_tree
+    >>> C = np.array([[1.0, 0.8, 0.2], [0.8, 1.0, 0.4], [0.2, 0.4, 1.0]])
+    >>> tree = average_linkage(C, np.ones(3))
+    >>> cut_tree(tree, n_clusters=2).tolist(), cut_tree(tree, similarity=0.9).tolist()
+    ([0, 0, 1], [0, 1, 2])
     """
     n = len(tree) + 1
     if (n_clusters is None) == (similarity is None):
@@ -92,6 +109,15 @@ def cut_by_count(tree: FloatArray, weights: FloatArray, n_large: int) -> IntArra
     -------
     labels : (n,) int32
         As of `cut_tree`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.linkage import average_linkage, cut_by_count
+    >>> C = np.array([[1.0, 0.8, 0.2], [0.8, 1.0, 0.4], [0.2, 0.4, 1.0]])
+    >>> areas = np.array([1.0, 1.0, 0.0001])  # the last is a crumb
+    >>> cut_by_count(average_linkage(C, areas), areas, 2).tolist()
+    [0, 1, 2]
     """
     n = len(weights)
     area = np.concatenate([weights, np.zeros(len(tree))])

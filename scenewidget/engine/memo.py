@@ -23,7 +23,15 @@ T = TypeVar("T")
 
 
 class Recall(Protocol):
-    """Gives what is remembered under a ``key``, or computes it by ``make()`` and remembers it."""
+    """Gives what is remembered under a ``key``, or computes it by ``make()`` and remembers it.
+
+    Examples
+    --------
+    >>> from scenewidget.engine.memo import Memo
+    >>> recall = Memo(100).within("one mesh")
+    >>> recall("answer", lambda: 42), recall("answer", lambda: 43)
+    (42, 42)
+    """
 
     def __call__(self, key: Hashable, make: Callable[[], T]) -> T:
         """The value of ``make()``, of this call or an earlier one with an equal ``key``."""
@@ -38,6 +46,12 @@ def compute(key: Hashable, make: Callable[[], T]) -> T:
     key : hashable
         Not looked at.
     make : callable
+
+    Examples
+    --------
+    >>> from scenewidget.engine.memo import compute
+    >>> compute("answer", lambda: 42)
+    42
     """
     return make()
 
@@ -49,6 +63,16 @@ class Memo:
     ----------
     memory : float
         Bytes that all results together may take; the last one stays, however large.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.memo import Memo
+    >>> memo = Memo(100)
+    >>> memo.keep("zeros", np.zeros(8))
+    >>> memo.keep("ones", np.ones(8))  # too much for 100 bytes: what was used longest ago is forgotten
+    >>> "zeros" in memo, "ones" in memo
+    (False, True)
     """
 
     def __init__(self, memory: float) -> None:
@@ -117,6 +141,13 @@ def n_bytes(value: Any) -> int:
     ----------
     value : object
         Arrays, sparse matrices, dataclasses, and tuples, lists and mappings of these.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.memo import n_bytes
+    >>> n_bytes({"a": np.zeros(10), "b": [np.zeros(5, np.int32)]})
+    100
     """
     return _n_bytes(value, set())
 

@@ -38,7 +38,16 @@ LARGEST = 1e15  # metres: fourth powers of lengths (second moments) stay far fro
 
 
 class MeshError(ValueError):
-    """Geometry that can't be worked with: no faces, indices out of range, NaN vertices, a truncated file."""
+    """Geometry that can't be worked with: no faces, indices out of range, NaN vertices, a truncated file.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> sw.Mesh([[0, 0, 0]], [])
+    Traceback (most recent call last):
+        ...
+    scenewidget.engine.mesh.MeshError: faces is empty: a mesh needs at least one triangle ...
+    """
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +81,13 @@ class Mesh:
         No faces, an index out of range, or a vertex in use that is NaN or infinite.
     TypeError
         Arrays that don't hold numbers.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> mesh = sw.Mesh([[0, 0, 0], [3, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+    >>> mesh.face_areas.tolist(), mesh.face_normals.tolist()
+    ([6.0], [[0.0, 0.0, 1.0]])
     """
 
     vertices: FloatArray
@@ -236,6 +252,13 @@ def face_adjacency(mesh: Mesh) -> IntArray:
     -------
     pairs : (n_pairs, 2) int32
         Each pair once, ``pairs[:, 0] < pairs[:, 1]``, in lexicographic order.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.mesh import face_adjacency
+    >>> face_adjacency(square(1)).tolist()
+    [[0, 1]]
     """
     corners = weld(mesh)[mesh.faces]
     n = mesh.n_faces
@@ -306,6 +329,13 @@ def connected_components(n_items: int, pairs: IntArray) -> tuple[int, IntArray]:
     n_components : int
     component : (n_items,) int32
         Component of each node, numbered by the smallest node in it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.mesh import connected_components
+    >>> connected_components(4, np.array([[0, 1], [2, 3]]))
+    (2, array([0, 0, 1, 1], dtype=int32))
     """
     ones = np.ones(len(pairs), dtype=np.int8)
     graph = sparse.coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(n_items, n_items))

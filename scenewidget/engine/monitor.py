@@ -18,7 +18,20 @@ T = TypeVar("T")
 
 
 class Cancelled(Exception):  # noqa: N818  the contract's name; it is not an error
-    """The caller's cancel event was set; nothing was changed."""
+    """The caller's cancel event was set; nothing was changed.
+
+    Examples
+    --------
+    >>> import threading
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import square
+    >>> cancel = threading.Event()
+    >>> cancel.set()
+    >>> sw.segment(square(2), cancel=cancel)
+    Traceback (most recent call last):
+        ...
+    scenewidget.engine.monitor.Cancelled: cancelled
+    """
 
 
 class Monitor:
@@ -31,6 +44,15 @@ class Monitor:
         fraction never falls within a stage.
     cancel : threading.Event, optional
         When set, the next `tick` raises `Cancelled`.
+
+    Examples
+    --------
+    >>> from scenewidget.engine.monitor import Monitor
+    >>> monitor = Monitor(progress=lambda stage, fraction: print(stage, fraction))
+    >>> monitor.start("items")
+    items 0.0
+    >>> monitor.finish()
+    items 1.0
     """
 
     def __init__(self, progress: Progress | None = None, cancel: threading.Event | None = None) -> None:

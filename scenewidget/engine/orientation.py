@@ -34,6 +34,18 @@ def facing(items: Items) -> float:
     Parameters
     ----------
     items : Items
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import sphere
+    >>> from scenewidget.engine.items import patch_items
+    >>> from scenewidget.engine.orientation import facing
+    >>> ball = sphere(1)
+    >>> inside_out = sw.Mesh(ball.vertices, ball.faces[:, ::-1])
+    >>> [round(facing(patch_items(mesh, np.arange(80))), 1) for mesh in (ball, inside_out)]
+    [-1.0, 1.0]
     """
     if not items.areas.sum() > 0:
         return 0.0
@@ -58,6 +70,17 @@ def oriented(items: Items, orientation: Orientation = "auto") -> Items:
     -----
     UserWarning
         The mesh is so large or so small that its unit can hardly be the metre.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import sphere
+    >>> from scenewidget.engine.items import patch_items
+    >>> from scenewidget.engine.orientation import oriented
+    >>> ball = sphere(1, radius=3.0)  # as large as a room, and looks outwards
+    >>> items = patch_items(ball, np.arange(80))
+    >>> oriented(items).report["orientation"]
+    'room, inside out: its normals are turned'
     """
     if not items.areas.sum() > 0:
         return items
@@ -97,6 +120,21 @@ def warn_of_mixed_winding(mesh: Mesh, pairs: IntArray) -> None:
     -----
     UserWarning
         More than 2 % of the pairs, of which some 50 000 are looked at, are wound against each other.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.mesh import face_adjacency
+    >>> from scenewidget.engine.orientation import warn_of_mixed_winding
+    >>> first, second = square(1).faces
+    >>> mesh = sw.Mesh(square(1).vertices, [first, second[::-1]])
+    >>> with warnings.catch_warnings(record=True) as heard:
+    ...     warnings.simplefilter("always")
+    ...     warn_of_mixed_winding(mesh, face_adjacency(mesh))
+    >>> str(heard[0].message)[:66]
+    'at 100% of the edges the two faces look to different sides of the '
     """
     sample = pairs[:: max(1, len(pairs) // 50_000)]
     first, second = mesh.vertices[mesh.faces[sample]].transpose(1, 0, 2, 3)

@@ -198,6 +198,19 @@ class Params:
         has so many segments, or as near as it gets. None: the result as it is.
     seed : int
         Same seed, same labels, whatever the number of threads.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> params = sw.Params(n_segments=30)
+    >>> params.replace(seed=1).k_bounds
+    (60, 75)
+    >>> sw.Params.thesis().consensus
+    'peac'
+    >>> sw.Params(n_segment=30)
+    Traceback (most recent call last):
+        ...
+    TypeError: Params has no option 'n_segment'; did you mean 'n_segments'?
     """
 
     n_segments: int | Literal["auto"] = 50

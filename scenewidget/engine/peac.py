@@ -46,6 +46,14 @@ class PeacResult:
         Whether ``violation`` came below the tolerance.
     n_sweeps : int
         Passes over all columns, those of new seeds included.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.peac import peac
+    >>> result = peac(np.eye(3), np.ones(3), 3)
+    >>> sorted(result.labels.tolist()), result.converged
+    ([0, 1, 2], True)
     """
 
     Y: FloatArray
@@ -110,6 +118,15 @@ def peac(
     ------
     ValueError
         Shapes, ranges or symmetry are not as above.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.peac import peac
+    >>> C = np.array([[1.0, 0.9, 0.1], [0.9, 1.0, 0.1], [0.1, 0.1, 1.0]])
+    >>> labels = peac(C, np.ones(3), 2).labels.tolist()
+    >>> labels[0] == labels[1], labels[0] == labels[2]
+    (True, False)
     """
     C, weights = _checked(C, weights, n_clusters)
     if n_restarts < 1:

@@ -54,6 +54,15 @@ def segment(
         Something that is not a mesh that can be worked with.
     Cancelled
         ``cancel`` was set.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import folded, square
+    >>> mesh = folded(square(10, size=2.0), "x", 1.0, 1.5)  # two sides of a corner
+    >>> segmentation = sw.segment(mesh, sw.Params(n_segments=2))
+    >>> segmentation.n_segments, segmentation.labels.shape
+    (2, (200,))
     """
     return Pipeline(mesh).run(params, progress=progress, cancel=cancel)
 
@@ -67,6 +76,18 @@ class Pipeline:
     memory : float
         Bytes that remembered results may take; the ones used longest ago are forgotten first. Forgetting
         changes no answer. 2 GB by default.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import folded, square
+    >>> pipe = sw.Pipeline(folded(square(6, size=2.0), "x", 1.0, 1.5))
+    >>> first = pipe.run(sw.Params(n_segments=2))
+    >>> again = pipe.run(sw.Params(n_segments=3))  # the items are remembered, only the consensus is new
+    >>> again.timings["items"]
+    0.0
+    >>> pipe.get("items")
+    Items(2 items, 1 pairs)
     """
 
     def __init__(self, mesh: Mesh | Any, *, memory: float = 2e9) -> None:

@@ -56,6 +56,13 @@ def keep_components(
     Returns
     -------
     is_kept : (n_faces,) bool
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.preprocess import keep_components
+    >>> keep_components(np.array([0, 0, 0, 1]), 2, coverage=0.7).tolist()
+    [True, True, True, False]
     """
     count = np.bincount(component, minlength=n_components)
     order = np.argsort(-count, kind="stable")
@@ -90,6 +97,14 @@ class Simplified:
         nearest to, and where no raw faces tell, the nearest faces of two pieces.
     report : dict
         What was reached and dropped, for the user.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.preprocess import simplify
+    >>> small = simplify(square(20), n_faces=50)
+    >>> small.mesh.n_faces <= 50, small.face_map.shape
+    (True, (800,))
     """
 
     mesh: Mesh
@@ -435,6 +450,14 @@ def neighbor_table(n_items: int, pairs: IntArray) -> tuple[IntArray, IntArray]:
     n_items : int
     pairs : (n_pairs, 2) int
         Neighbours; each pair once, in either order.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.preprocess import neighbor_table
+    >>> starts, neighbors = neighbor_table(3, np.array([[0, 1], [1, 2]]))
+    >>> starts.tolist(), neighbors.tolist()
+    ([0, 1, 3, 4], [1, 0, 2, 1])
     """
     ones = np.ones(2 * len(pairs), dtype=np.int8)
     rows, columns = np.concatenate([pairs, pairs[:, ::-1]]).T if len(pairs) else np.empty((2, 0), np.int32)
@@ -479,6 +502,15 @@ def filter_normals(
     References
     ----------
     Bilateral normal filtering: Zheng, Fu, Au and Tai (2011), IEEE TVCG 17(10).
+
+    Examples
+    --------
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.mesh import face_adjacency
+    >>> from scenewidget.engine.preprocess import filter_normals
+    >>> mesh = square(4)
+    >>> filter_normals(mesh, face_adjacency(mesh)).mean(axis=0).tolist()
+    [0.0, 0.0, 1.0]
     """
     monitor = monitor or SILENT
     indptr, indices = neighbor_table(mesh.n_faces, pairs)

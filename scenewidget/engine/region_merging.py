@@ -29,6 +29,16 @@ def merged_regions(n_regions: int, seams: Seams) -> IntArray:
     n_regions : int
     seams : Seams
         In units of what counts as a step: a mean of at most 1 is none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.region_merging import merged_regions
+    >>> from scenewidget.engine.wall_map import Seams
+    >>> steps, ridges = np.array([[0.5, 9.0]]), np.zeros((1, 2))
+    >>> seams = Seams(np.array([[0, 1], [1, 2]]), steps, ridges, np.array([3.0, 3.0]))
+    >>> merged_regions(3, seams).tolist()  # mean steps of 1/6 and 3
+    [1, 1, 2]
     """
     parent = np.arange(n_regions)
     if len(seams.pairs):

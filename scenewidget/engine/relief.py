@@ -67,6 +67,22 @@ def separate_reliefs(
     -------
     labels : (n_items,) int32
         Dense.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.items import patch_items
+    >>> from scenewidget.engine.relief import separate_reliefs
+    >>> floor = square(60, size=3.0)
+    >>> is_carpet = (np.abs(floor.vertices[:, :2] - 1.5) < 0.6).all(axis=1)
+    >>> scan = sw.Mesh(floor.vertices + np.outer(is_carpet, [0, 0, 0.02]), floor.faces)  # 2 cm thick
+    >>> tile = np.floor(floor.face_centroids[:, :2] / 0.15).astype(int)
+    >>> items = patch_items(scan, tile[:, 0] * 20 + tile[:, 1])
+    >>> labels = separate_reliefs(items, np.zeros(items.n, np.int32))
+    >>> round(float(items.areas[labels == 1].sum()), 1)
+    0.8
     """
     return _separated(items, labels, None, step, min_area, cell, n_threads, recall)
 
@@ -99,6 +115,16 @@ def separate_tints(
     -------
     labels : (n_items,) int32
         Dense.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.items import patch_items
+    >>> from scenewidget.engine.relief import separate_tints
+    >>> items = patch_items(square(4, size=2.0), np.zeros(32, int))  # without colours nothing is parted
+    >>> separate_tints(items, np.zeros(1, np.int32)).tolist()
+    [0]
     """
     tints = items.face_tints
     if tints is None:

@@ -57,6 +57,16 @@ class Segmentation:
     timings : mapping of stage to seconds
     report : mapping of str to anything
         What the user should know: faces dropped and why, items reached, orientation, warnings.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import square
+    >>> segmentation = sw.Segmentation.from_labels(square(1), [7, -1], names=[""] * 7 + ["floor"])
+    >>> segmentation
+    Segmentation(2 faces, 1 segments, 50.0% labeled)
+    >>> segmentation.to_frame()[["name", "faces", "area"]].to_dict("records")
+    [{'name': 'floor', 'faces': 1, 'area': 0.5}]
     """
 
     mesh: Mesh
@@ -233,6 +243,18 @@ def segmentation_of_items(
     -----
     UserWarning
         Less than half of the faces have a label.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.items import patch_items
+    >>> from scenewidget.engine.segmentation import segmentation_of_items
+    >>> mesh = square(2)
+    >>> items = patch_items(mesh, np.arange(8) // 4)
+    >>> levels = {"dihedral": np.zeros(8, np.int32), "base": np.arange(2), "keys": np.array([[0], [1]])}
+    >>> segmentation_of_items(mesh, items, np.arange(2), np.ones(2), **levels)
+    Segmentation(8 faces, 2 segments, 100.0% labeled)
     """
     dense, kept = order_by_area(items.to_faces(labels, -1), mesh.face_areas)
     if (dense >= 0).mean() < 0.5:
@@ -277,6 +299,13 @@ def order_by_area(labels: IntArray, areas: FloatArray) -> tuple[IntArray, IntArr
         -1, 0, 1, 2, …
     kept : (n_segments,) int64
         The old label behind each new one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.segmentation import order_by_area
+    >>> order_by_area(np.array([7, 7, 3, -1]), np.array([1.0, 1.0, 5.0, 1.0]))
+    (array([ 1,  1,  0, -1], dtype=int32), array([3, 7]))
     """
     out = np.full(len(labels), -1, dtype=np.int32)
     keep = labels >= 0

@@ -96,6 +96,14 @@ class Stage:
     recalls : str
         Where ``run`` also takes ``recall``, the step on whose result depends, beside the keys that ``run``
         gives, what it computes in parts.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.engine.stages import stages
+    >>> stage = stages(sw.Params())["consensus"]
+    >>> stage.title, stage.needs, dict(stage.options)
+    ('Finding the consensus', ('coassociation', 'tree'), {'n_segments': 50, 'similarity': None})
     """
 
     name: str
@@ -119,6 +127,15 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
     Returns
     -------
     table : dict of name to Stage
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.engine.stages import stages
+    >>> [name for name in stages(sw.Params()) if name not in stages(sw.Params.thesis())]
+    ['graph_runs', 'tree']
+    >>> [name for name in stages(sw.Params.thesis()) if name not in stages(sw.Params())]
+    ['features', 'trees']
     """
     p = params
     table: dict[str, Stage] = {}

@@ -38,6 +38,14 @@ class Seams:
         Sum of how much the seam itself stands out of the mean of both.
     length : (n_pairs,) float64
         Number of cells.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.wall_map import Seams
+    >>> seams = Seams(np.array([[0, 1]]), np.array([[4.0]]), np.array([[2.0]]), np.array([5.0]))
+    >>> seams.in_units_of(np.array([2.0])).step.tolist()
+    [[2.0]]
     """
 
     pairs: IntArray
@@ -67,6 +75,18 @@ class WallMap:
         The same, with the narrow items at the rim of a step given to the broad one beside them.
     seams : Seams
         Between the items of ``without_rims``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.items import patch_items
+    >>> from scenewidget.engine.wall_map import wall_maps
+    >>> floor = square(20)
+    >>> items = patch_items(floor, floor.face_centroids[:, 0] > 0.5)
+    >>> grid = wall_maps(items, np.arange(2), None, 0.1)[0]
+    >>> grid.seams.pairs.tolist(), grid.item.shape == grid.without_rims.shape
+    ([[0, 1]], True)
     """
 
     item: IntArray
@@ -86,6 +106,19 @@ def wall_maps(items: Items, members: IntArray, values: FloatArray | None, cell: 
         What to map; the heights of the faces over the wall's best plane where it is None.
     cell : float
         Side of the cells, metres; more where faces are larger.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.items import patch_items
+    >>> from scenewidget.engine.wall_map import wall_maps
+    >>> floor = square(20)
+    >>> items = patch_items(floor, floor.face_centroids[:, 0] > 0.5)
+    >>> height = 0.02 * items.item_of_face[None]  # the second half lies 2 cm higher
+    >>> grid = wall_maps(items, np.arange(2), height, 0.1)[0]
+    >>> (np.abs(grid.seams.step[0]) / grid.seams.length).round(2).tolist()
+    [0.02]
     """
     points = _points(items, members, values)
     cell = max(
