@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 import threading
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
@@ -77,6 +79,15 @@ class Observers:
         return stop
 
     def tell(self, event: Event) -> None:
-        """Call everybody, in this thread."""
+        """Call everybody, in this thread.
+
+        Whatever one of them raises is shown as its own traceback on stderr: what happened has happened, and
+        the others want to hear of it.
+        """
         for callback in list(self._callbacks):
-            callback(event)
+            try:
+                callback(event)
+            except Exception as error:
+                own = error.__traceback__.tb_next if error.__traceback__ is not None else None
+                sys.stderr.write(f"An observer has failed; the {event.kind} that it was told of stands.\n")
+                traceback.print_exception(type(error), error, own or error.__traceback__)

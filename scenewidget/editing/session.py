@@ -445,7 +445,8 @@ class Session:
     def observe(self, callback: Callable[[Event], None]) -> Callable[[], None]:
         """Call ``callback(event)`` after every change; returns what ends that.
 
-        It is called in the thread that made the change, after the change is complete.
+        It is called in the thread that made the change, after the change is complete. What it raises is
+        shown on stderr; the change stands, and other observers hear of it.
         """
         return self._observers.add(callback)
 

@@ -173,8 +173,17 @@ class Autosave:
             self._begin_file(session)
         self.tell(session)
 
-    def save(self, session: Session, path: str | os.PathLike[str] | None = None) -> Path:
+    def save(
+        self, session: Session, path: str | os.PathLike[str] | None = None, *, anew: bool = False
+    ) -> Path:
         """Write everything into one file now: that of the session, or a new one if it has none it may write.
+
+        Parameters
+        ----------
+        session : Session
+        path : path, optional
+        anew : bool
+            Whether to choose a new name in any case.
 
         Raises
         ------
@@ -186,7 +195,7 @@ class Autosave:
         try:
             if path is not None:
                 written = session.save(path)
-            elif session.path is not None and not session.read_only:
+            elif session.path is not None and not session.read_only and not anew:
                 written = session.save()
             else:
                 written = self._save_anew(session)
@@ -259,7 +268,10 @@ class Autosave:
             self._view.save_state, self._view.save_note = state, note
             if state == "failed":
                 text = f"{note}. Your edits are in memory only"
-                self._put_notice("file", text, [("Try again", "save")])
+                ways_out = [("Try again", "save")]
+                if session.path is not None:
+                    ways_out.append(("Save a copy", "copy"))
+                self._put_notice("file", text, ways_out)
             elif state == "read-only":
                 text = f"{note}. Your edits are in memory only"
                 self._put_notice("file", text, [("Save a copy", "copy"), ("OK", "drop")])
@@ -277,7 +289,7 @@ class Autosave:
             self._restore(self.offered.path)
         elif action in ("save", "copy") and self._session is not None:
             with contextlib.suppress(OSError):  # told by the notice
-                self.save(self._session)
+                self.save(self._session, anew=action == "copy")
         if action in ("restore", "drop"):
             with self._lock:
                 self._drop_notice(notice)

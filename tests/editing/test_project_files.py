@@ -13,6 +13,7 @@ import shapes
 from test_session import box_session
 from test_store import OLD_EDITS, change, old_project, run, saved
 
+import scenewidget as sw
 from scenewidget.editing import files, project_reader, schema
 from scenewidget.editing.edits import Merge
 from scenewidget.editing.project import ProjectError
@@ -159,6 +160,27 @@ def test_the_log_begins_anew_now_and_then_and_nothing_is_lost(tmp_path):
     assert min(sizes) < max(sizes) / 10
     session.close()
     assert len(Session.open(tmp_path / NAME, session.mesh).edits) == 301
+
+
+@pytest.mark.filterwarnings("ignore:.*only in memory")
+@pytest.mark.parametrize("way_out", ["save", "copy"])
+def test_the_picture_says_so_and_offers_ways_out(tmp_path, monkeypatch, way_out):
+    monkeypatch.chdir(tmp_path)
+    mesh = shapes.box(4)
+    widget = sw.SceneWidget(mesh, sw.Params(n_segments=6, n_runs=2, n_graph_runs=2), autosave=tmp_path / NAME)
+    widget.wait()
+    widget.session.relabel(0, "one")
+    widget.save()
+    assert widget.view.save_state == "saved"
+    (tmp_path / NAME).unlink()
+    widget.session.relabel(0, "two")
+    assert widget.view.save_state == "failed"
+    assert "'room.swproj' was deleted" in widget.view.save_note
+    widget.view._handle_custom_msg({"kind": "choose", "notice": "file", "action": way_out}, [])
+    assert widget.view.save_state == "saved"
+    assert widget.view.notices == []
+    assert summary_of(widget.session.path).n_steps == 2
+    widget.close()
 
 
 # --- check before you take ------------------------------------------------------------------------
@@ -439,7 +461,6 @@ FORGERIES = {
 
 @pytest.mark.parametrize("forgery", FORGERIES)
 def test_forged_files_are_refused_at_once_by_every_reader(tmp_path, monkeypatch, forgery):
-    import scenewidget as sw
     from scenewidget.widget.autosave import default_name
 
     monkeypatch.chdir(tmp_path)

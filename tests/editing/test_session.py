@@ -239,3 +239,21 @@ def test_the_preview_of_a_cut_is_what_the_cut_then_does():
     np.testing.assert_array_equal(faces, np.flatnonzero(labels == labels[190]))
     with pytest.raises(EditError, match="different segments"):
         session.preview_cut(0, 190)
+
+
+def test_an_observer_may_raise_and_the_edit_stands(capsys):
+    session, heard = box_session(), []
+
+    def faulty(event):
+        raise ZeroDivisionError("mine")
+
+    session.observe(faulty)
+    session.observe(heard.append)
+    step = session.merge(0, 40)
+    assert session.history[-1] is step
+    assert [event.step for event in heard] == [step]
+    said = capsys.readouterr().err
+    assert "An observer has failed; the edit that it was told of stands." in said
+    assert "in faulty" in said
+    assert "ZeroDivisionError: mine" in said
+    assert "callback(event)" not in said
