@@ -96,12 +96,12 @@ function start({ model, el }, again, kept) {
   const { strides } = createCameraCommands(around);
   listenToPointer({ ...around, hand, aim });
   listenToWheel(around);
-  createSuggestionBar(around, panel.dock); // hears keys before the keyboard does
+  const connection = watchConnection(model, el, () => send({ kind: "state" }), signal);
+  createSuggestionBar({ ...around, connection }, panel.dock); // hears keys before the keyboard does
   const closing = [panel.closeHelp, hand.back, panel.closeSection, panel.closeHistory];
   listenToKeys({ ...around, aim, strides, closing });
 
   // what is there to be shown ---------------------------------------------------------------------------
-  const connection = watchConnection(model, el, () => send({ kind: "state" }), signal);
   const context = watchContext(canvas, { send, again }, signal);
   const looks = createKeptLooks({ model, view, send });
   const measure = () => view.resize(canvas.clientWidth, canvas.clientHeight);

@@ -3,12 +3,14 @@
 import { element } from "../panel/elements.js";
 import { watchTheme } from "../panel/theme.js";
 import { post } from "../wire/channel.js";
+import { watchConnection } from "../wire/connection.js";
 import { listen } from "../wire/listen.js";
 import { createBar } from "./bar.js";
 import { createField } from "./fields.js";
 
 /** @typedef {import("../wire/wire.js").Model} Model */
 
+const GONE = "The kernel is gone: settings change nothing. Run the cell again.";
 const MOVE_MS = 80; // between two previews that are asked for
 const STATE = [
   ...["values", "k_bounds", "idle", "problems", "changed", "family", "preset", "presets", "code"],
@@ -91,8 +93,18 @@ function render({ model, el }) {
     }
     groups.get(description.group)?.append(field.element);
   }
-  root.append(bar.scores, main, fold, bar.element);
+  const gone = element("p", { class: "swc-gone", role: "status", hidden: "" }, [GONE]);
+  const all = element("fieldset", { class: "swc-all" }, [bar.scores, main, fold, bar.element]);
+  root.append(gone, all);
   el.append(root);
+  const connection = watchConnection(model, el, showConnection, life.signal);
+
+  function showConnection() {
+    const isLive = connection.isLive();
+    root.dataset.live = String(isLive);
+    gone.hidden = isLive;
+    all.disabled = !isLive;
+  }
 
   function update() {
     const changed = new Set(model.get("changed"));
@@ -124,6 +136,7 @@ function render({ model, el }) {
 
   listen(model, { state: STATE }, update, life.signal);
   update();
+  showConnection();
   return () => {
     clearTimeout(moveTimer);
     life.abort();

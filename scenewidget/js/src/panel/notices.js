@@ -13,6 +13,13 @@ export const GONE = {
   actions: [],
 };
 
+/** When the line to it is cut. @type {Notice} */
+export const CUT_OFF = {
+  key: "cut",
+  text: "No connection to the kernel: looking works, editing doesn't until it is back.",
+  actions: [],
+};
+
 /** When the browser has taken the picture's graphics context away. @type {Notice} */
 export const ASIDE = {
   key: "aside",

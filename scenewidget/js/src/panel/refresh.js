@@ -4,7 +4,7 @@ import { faceValues } from "../labels/face_values.js";
 import { readMesh } from "../scene/mesh.js";
 import { listen } from "../wire/listen.js";
 import { GROUPS } from "../wire/traits.js";
-import { ASIDE, GONE, lostEdits } from "./notices.js";
+import { ASIDE, CUT_OFF, GONE, lostEdits } from "./notices.js";
 import { panelState } from "./state.js";
 
 /** @typedef {keyof typeof GROUPS} Group */
@@ -14,7 +14,7 @@ import { panelState } from "./state.js";
  *   panel: ReturnType<typeof import("./panel.js").createPanel>,
  *   hand: import("../input/hand.js").Hand,
  *   looks: ReturnType<typeof import("../scene/kept_looks.js").createKeptLooks>,
- *   connection: { isLive: () => boolean },
+ *   connection: import("../wire/connection.js").Connection,
  *   context: { isAside: () => boolean },
  *   measure: () => void,
  * }} around  measure: gives the picture its size
@@ -83,7 +83,8 @@ export function createRefresh(around) {
     const { notices: lost, wait } = lostEdits(segments.pending, isLive);
     clearTimeout(lostTimer);
     if (wait !== null) lostTimer = setTimeout(takeState, wait);
-    const gone = isLive || lost.length > 0 ? [] : [GONE]; // one bar says that the kernel is gone
+    const why = connection.isCutOff() ? CUT_OFF : GONE;
+    const gone = isLive || lost.length > 0 ? [] : [why]; // one bar says that the kernel is gone
     return [...gone, ...(context.isAside() ? [ASIDE] : []), ...lost];
   }
 

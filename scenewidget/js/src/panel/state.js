@@ -58,6 +58,8 @@ const firstSteps = globalThis.matchMedia?.("(pointer: coarse)").matches ? FIRST_
 export function panelState({ model, view, segments }, { tool, isLive, notices }) {
   const { mesh, partition } = view;
   const isUntouched = !segments.undo && !segments.redo;
+  const isBusy = model.get("busy") && isLive;
+  const wasBusy = model.get("busy") && !isLive; // what it said of a computation that nobody does any more
   const isFirstStep = model.get("mode") === "edit" && tool === "merge" && isUntouched;
   return {
     colorBy: model.get("color_by"),
@@ -75,9 +77,9 @@ export function panelState({ model, view, segments }, { tool, isLive, notices })
     section: model.get("section"),
     lengths: view.lengths,
     mixing: model.get("color_mix"),
-    busy: model.get("busy"),
+    busy: isBusy,
     progress: model.get("progress"),
-    status: isFirstStep && !model.get("busy") ? "" : model.get("status"),
+    status: (isFirstStep && !isBusy) || wasBusy ? "" : model.get("status"),
     error: model.get("error"),
     mode: model.get("mode"),
     editable: model.get("editable") && isLive,
@@ -88,7 +90,7 @@ export function panelState({ model, view, segments }, { tool, isLive, notices })
     vocabulary: model.get("vocabulary"),
     saveState: model.get("save_state"),
     saveNote: model.get("save_note"),
-    notices: [...notices, ...model.get("notices")],
+    notices: [...notices, ...(isLive ? model.get("notices") : [])], // Python would have to answer
     quickNames: model.get("quick_names"),
     historyShown: model.get("history_shown"),
     history: model.get("history"),

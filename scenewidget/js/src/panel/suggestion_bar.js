@@ -1,14 +1,16 @@
 /** One edit at a time that the ensemble would like to have judged: framed, lit, and done or passed over. */
 
 import { hear } from "../wire/channel.js";
-import { on } from "../wire/listen.js";
+import { on as onModel } from "../wire/listen.js";
 import { element, iconButton, textButton } from "./elements.js";
 
 /**
- * @param {import("../input/messages.js").Around} around
+ * @param {import("../input/messages.js").Around & {
+ *   connection: Pick<import("../wire/connection.js").Connection, "isLive">,
+ * }} around
  * @param {HTMLElement} dock
  */
-export function createSuggestionBar({ model, view, segments, root, send, signal }, dock) {
+export function createSuggestionBar({ model, view, segments, root, connection, send, on, signal }, dock) {
   const text = element("span", { class: "sw-picked-text" });
   const accept = textButton("Accept", "Do this (Enter)");
   const skip = textButton("Skip", "Don't suggest this again (K)");
@@ -30,7 +32,7 @@ export function createSuggestionBar({ model, view, segments, root, send, signal 
   }
 
   function show() {
-    shown = model.get("suggestion") ?? {};
+    shown = (connection.isLive() && model.get("suggestion")) || {};
     isWaiting = false;
     const isThere = shown.title !== undefined;
     if (bar.hidden === isThere && !isThere && bar.contains(document.activeElement))
@@ -63,7 +65,7 @@ export function createSuggestionBar({ model, view, segments, root, send, signal 
     const meant =
       key === "k" && isThere
         ? "skip"
-        : key === "k" && model.get("editable")
+        : key === "k" && model.get("editable") && connection.isLive()
           ? "next"
           : key === "enter" && isThere && target === root // a button does its own
             ? "accept"
@@ -76,12 +78,13 @@ export function createSuggestionBar({ model, view, segments, root, send, signal 
     tell(meant);
   };
   root.addEventListener("keydown", onKey, { signal, capture: true });
-  on(model, "change:suggestion", showNext, signal);
+  onModel(model, "change:suggestion", showNext, signal);
   const onMessage = (/** @type {any} */ message) => {
     if (message.kind !== "suggest") return;
     tell("next");
     root.focus({ preventScroll: true });
   };
   hear(() => model.get("_channel"), onMessage, signal);
+  on({ state: () => connection.isLive() || bar.hidden || show() }); // without a kernel nothing can be done of it
   show();
 }

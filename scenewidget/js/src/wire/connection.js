@@ -1,9 +1,12 @@
 /** Whether the kernel is still there. Without it one can look, but an edit would be lost without a word. */
 
+import { watchKernel } from "./kernel.js";
 import { on } from "./listen.js";
 
 const GONE = "jupyter-widgets-disconnected"; // Jupyter's mark of a view whose kernel has gone
 const LEVELS = 4; // of elements around a view, one of which gets the mark
+
+/** @typedef {ReturnType<typeof watchConnection>} Connection */
 
 /**
  * @param {import("./wire.js").Model} model
@@ -12,11 +15,11 @@ const LEVELS = 4; // of elements around a view, one of which gets the mark
  * @param {AbortSignal} signal
  */
 export function watchConnection(model, host, onChange, signal) {
-  const look = () => host.closest(`.${GONE}`) === null;
-  let isLive = look();
+  const isMarked = () => host.closest(`.${GONE}`) !== null;
+  let wasMarked = isMarked();
   const check = () => {
-    if (look() === isLive) return;
-    isLive = !isLive;
+    if (isMarked() === wasMarked) return;
+    wasMarked = !wasMarked;
     onChange();
   };
   const observer = new MutationObserver(check);
@@ -27,5 +30,10 @@ export function watchConnection(model, host, onChange, signal) {
   }
   on(model, "comm_live_update", () => setTimeout(check), signal);
   signal.addEventListener("abort", () => observer.disconnect());
-  return { isLive: () => isLive };
+  const kernel = watchKernel(model.widget_manager, onChange, signal);
+  return {
+    isLive: () => !wasMarked && kernel.state() === "there",
+    /** Whether it may come back by itself. */
+    isCutOff: () => !wasMarked && kernel.state() === "cut off",
+  };
 }

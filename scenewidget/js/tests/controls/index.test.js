@@ -14,7 +14,7 @@ page.MutationObserver = class {
 };
 page.document.body.dataset.jpThemeLight = "true";
 
-function fake() {
+function fake(mark = "") {
   const field = { name: "n", label: "Segments", tip: "", group: "", kind: "slider", low: 0, high: 9 };
   const more = { name: "seed", label: "Seed", tip: "", group: "Repeat", kind: "number" };
   const model = fakeModel({
@@ -38,6 +38,7 @@ function fake() {
     _channel: "",
   });
   const el = new PageElement("div");
+  el.classList.add(mark);
   const stop = controls.render({ model, el: /** @type {any} */ (el) });
   return { model, el, stop };
 }
@@ -65,6 +66,15 @@ test("a movement asks for a preview, not more often than it can be drawn", (t) =
   }
   t.mock.timers.tick(200);
   assert.deepEqual(model.sent, [{ kind: "move", name: "n", value: 6 }]);
+});
+
+test("without a kernel settings are disabled and say why", () => {
+  const { el } = fake("jupyter-widgets-disconnected");
+  const [all] = /** @type {any} */ (el.querySelectorAll("fieldset"));
+  assert.deepEqual([all.disabled, el.querySelector(".swc")?.dataset.live], [true, "false"]);
+  assert.match(el.textContent, /The kernel is gone/);
+  const live = fake();
+  assert.equal(/** @type {any} */ (live.el.querySelector("fieldset")).disabled, false);
 });
 
 test("stopped, it leaves nothing behind", () => {

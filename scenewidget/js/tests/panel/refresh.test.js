@@ -20,7 +20,7 @@ function fake(state = {}) {
   const panel = { update: note("panel"), showPreview() {}, listSegments() {} };
   const hand = { tool: "merge", letGo: note("let go"), renew: note("renew") };
   const looks = { keepHidden: note("keep hidden"), keepCamera: note("keep camera") };
-  const live = { isLive: true, isAside: false };
+  const live = { isLive: true, isCut: false, isAside: false };
   const root = /** @type {any} */ ({ style: {}, dataset: {} });
   const dispatcher = fakeDispatcher();
   const life = new AbortController();
@@ -28,7 +28,7 @@ function fake(state = {}) {
     /** @type {any} */ ({
       ...{ model, view, segments, root, panel, hand, looks, measure() {}, signal: life.signal },
       ...{
-        connection: { isLive: () => live.isLive },
+        connection: { isLive: () => live.isLive, isCutOff: () => live.isCut },
         context: { isAside: () => live.isAside },
         ...dispatcher,
       },
@@ -69,6 +69,9 @@ test("without a kernel one looks, and one bar says why", () => {
     [model.get("mode"), state.notices.map((/** @type {any} */ { key }) => key)],
     ["navigate", ["gone"]],
   );
+  live.isCut = true;
+  send({ kind: "state" });
+  assert.equal(take("panel")[0][1].notices[0].key, "cut");
   segments.pending.operations.push({});
   live.isAside = true;
   send({ kind: "state" });

@@ -30,7 +30,16 @@ test("before the first edit one is told how, instead of what there is", () => {
   assert.equal(panelState(fake({ mode: "navigate" }).around, more).summary, "5 faces");
 });
 
-test("without a kernel nothing can be edited; its own notices come first", () => {
+test("without a kernel nothing can be edited, and nothing is offered that it would have to do", () => {
+  assert.deepEqual(panelState(fake().around, more).notices, ["gone", "own"]);
   const state = panelState(fake().around, { ...more, isLive: false });
-  assert.deepEqual([state.editable, state.notices, state.pending], [false, ["gone", "own"], 1]);
+  assert.deepEqual([state.editable, state.notices, state.pending], [false, ["gone"], 1]);
+});
+
+test("without a kernel nothing is computed, whatever it said last", () => {
+  const { around } = fake({ busy: true, status: "Distances", mode: "navigate" });
+  const computing = panelState(around, more);
+  assert.deepEqual([computing.busy, computing.status], [true, "Distances"]);
+  const gone = panelState(around, { ...more, isLive: false });
+  assert.deepEqual([gone.busy, gone.status], [false, ""]);
 });

@@ -16,9 +16,11 @@ function fake() {
   /** @type {number[]} */
   const looked = [];
   const around = /** @type {any} */ ({ model, root, ...dispatcher, segments: { isPreview: false } });
+  const live = { isLive: true };
+  around.connection = { isLive: () => live.isLive };
   Object.assign(around, { view: { lookAround: (/** @type {number} */ face) => looked.push(face) } });
   createSuggestionBar({ ...around, signal: new AbortController().signal }, /** @type {any} */ (dock));
-  return { model, root, dock, looked, ...dispatcher, bar: /** @type {any} */ (dock.children[0]) };
+  return { model, root, dock, looked, live, ...dispatcher, bar: /** @type {any} */ (dock.children[0]) };
 }
 
 test("a suggestion is shown at its level, lit and looked at", async () => {
@@ -54,4 +56,14 @@ test("its buttons do the same", () => {
   model.set("suggestion", SUGGESTION);
   control(dock, "Skip").click();
   assert.deepEqual(model.sent, [{ kind: "suggest", do: "skip", number: 7 }]);
+});
+
+test("without a kernel there is nothing to judge", () => {
+  const { model, root, live, bar, send } = fake();
+  model.set("suggestion", SUGGESTION);
+  live.isLive = false;
+  send({ kind: "state" });
+  assert.equal(bar.hidden, true);
+  fire(root, "keydown", { key: "k" });
+  assert.deepEqual(model.sent, []);
 });

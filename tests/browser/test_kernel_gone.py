@@ -1,0 +1,66 @@
+"""However a kernel ends, the page notices within seconds, and nothing on it looks alive any more."""
+
+from __future__ import annotations
+
+import ast
+import os
+import signal
+import time
+import urllib.request
+
+import pytest
+from editing_page import WIDGET, Editor
+
+CONTEXT = "window.jupyterapp.shell.currentWidget.context.sessionContext"
+COMPUTING = "w.view.busy, w.view.progress, w.view.status = True, 0.3, 'Distances'"
+NOTICED_SECONDS = 5
+SLACK = float(os.environ.get("SCENEWIDGET_SLACK", "4"))  # of a machine that does other things meanwhile
+
+
+def shut_down(book):
+    book.page.evaluate(f"() => {{ {CONTEXT}.shutdown(); }}")
+
+
+def restart_while_busy(book):
+    book.page.evaluate(
+        f"() => {{ {CONTEXT}.session.kernel.requestExecute({{ code: 'import time; time.sleep(60)' }}); }}"
+    )
+    book.page.wait_for_function(f"() => {CONTEXT}.session.kernel.status === 'busy'")
+    book.page.evaluate(f"() => {{ window.restarted = {CONTEXT}.restartKernel(); }}")
+
+
+def kill(book):
+    os.kill(ast.literal_eval(book.evaluate("__import__('os').getpid()")), signal.SIGKILL)
+
+
+def delete(book):
+    name = book.page.evaluate(f"() => {CONTEXT}.session.kernel.id")
+    address = f"{book.server.url}/api/kernels/{name}?token={book.server.token}"
+    urllib.request.urlopen(urllib.request.Request(address, method="DELETE")).close()
+
+
+@pytest.mark.parametrize("end", [shut_down, restart_while_busy, kill, delete])
+def test_nothing_looks_alive_within_seconds(notebook, end):
+    book = notebook([WIDGET])
+    book.run_all()
+    editor = Editor(book)
+    root, page = editor.root, editor.page
+    book.execute(COMPUTING)
+    root.get_by_role("button", name="Cancel").wait_for()
+    end(book)
+    began = time.monotonic()
+    editor.view.wait("live", "false")
+    assert time.monotonic() - began < SLACK * NOTICED_SECONDS
+    root.get_by_text("The kernel is gone").wait_for()
+    assert editor.view.state("busy") == "false"
+    for name in ("Cancel", "Undo", "Save", "Edit"):
+        assert not editor.button(name).is_visible(), name
+    assert not root.get_by_role("progressbar").is_visible()
+    settings = page.get_by_role("group", name="Settings", exact=True)
+    settings.get_by_text("The kernel is gone").wait_for()
+    assert settings.get_by_role("slider").first.is_disabled()
+    root.focus()
+    page.keyboard.press("Control+z")
+    assert editor.view.state("pending") == "0"
+    if end is restart_while_busy:
+        page.evaluate("() => window.restarted")  # only then can the server end it
