@@ -9,10 +9,14 @@ from strategies import ensembles
 from scenewidget.engine.consensus import (
     base_segments,
     co_association,
+    component_trees,
+    confidence,
     mean_agreement,
     median_partition,
+    peac_by_component,
     settle_leftovers,
 )
+from scenewidget.engine.evidence import calibrated
 from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.peac import PeacResult
 
@@ -214,3 +218,36 @@ def test_no_single_move_improves_the_median_partition(problem):
 def test_a_unanimous_ensemble_is_its_own_median():
     part = np.array([0, 0, 1, 2, 2, 2])
     np.testing.assert_array_equal(median_partition(together(part).astype(float), np.ones(6)), part)
+
+
+@given(ensembles(), st.integers(0, 99))
+def test_sums_between_groups_match_their_definition(keys, seed):
+    rng = np.random.default_rng(seed)
+    co, areas = co_association(keys), rng.random(len(keys))
+    group = rng.integers(-1, 3, len(keys))
+    between, with_base = co.between(group, areas, 3), co.with_groups(group, areas, 3)
+    C = co.C[np.ix_(co.base, co.base)]
+    for g in range(3):
+        weight = areas * (group == g)
+        np.testing.assert_allclose(with_base[co.base, g], C @ weight, atol=1e-12)
+        for h in range(3):
+            np.testing.assert_allclose(between[g, h], weight @ C @ (areas * (group == h)), atol=1e-12)
+
+
+def test_peac_is_solved_in_each_component_with_its_share():
+    block = np.repeat(np.arange(4), 5)
+    co = co_association(np.stack([block, block // 2, np.arange(20)], axis=1))
+    component = block // 2
+    trees = component_trees(co, component)
+    labels = peac_by_component(co, component, np.array([0.5, 0.5]), 4, trees=trees, leftover="argmax")
+    assert len(set(labels.tolist())) == 4
+    assert not set(labels[co.base[component == 0]]) & set(labels[co.base[component == 1]])
+    one = peac_by_component(co, component, np.array([0.5, 0.5]), 2, trees=trees)
+    np.testing.assert_array_equal(one[co.base], component)
+
+
+def test_confidence_is_the_calibrated_mean_agreement_by_items():
+    co = co_association(np.array([[0, 0, 0], [0, 0, 1], [0, 1, 1], [1, 1, 1]]))
+    labels = np.array([0, 0, 0, 1])
+    mean = [co.C[i, labels == labels[i]].mean() for i in range(4)]
+    np.testing.assert_allclose(confidence(co, labels), calibrated(np.array(mean)))

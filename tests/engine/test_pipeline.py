@@ -175,6 +175,17 @@ def test_the_memo_stays_within_its_bytes_and_counts_the_large_matrices(params):
     assert len(pipe._memo) == 0
 
 
+def test_maps_of_walls_are_remembered_counted_and_forgotten_with_the_rest():
+    pipe, steps = Pipeline(shapes.room(16, noise=0.003)[0]), stages(Params(n_segments=12))
+    pipe.run(Params(n_segments=12))
+    n_maps = len(pipe._memo) - len(steps)
+    assert n_maps > 0
+    pipe.run(Params(n_segments=12, min_area=0.1))
+    assert len(pipe._memo) == len(steps) + 2 + n_maps  # two new steps, but the walls are the same
+    pipe.clear()
+    assert (len(pipe._memo), pipe._memo.n_bytes) == (0, 0)
+
+
 def test_results_are_freed_with_their_pipeline():
     pipe = Pipeline(ROOM)
     pipe.run(FAST)
