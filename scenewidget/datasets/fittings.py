@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from scenewidget.datasets import materials
-from scenewidget.datasets.furniture import SINK, Maker, Part, Piece
 from scenewidget.datasets.materials import Material
+from scenewidget.datasets.objects import SINK, Maker, Part, Piece
 from scenewidget.datasets.shapes import (
     ball,
     box,

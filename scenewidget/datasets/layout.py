@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from scenewidget.datasets import fittings, furniture
-from scenewidget.datasets.furniture import Maker, Piece
+from scenewidget.datasets.objects import Maker, Piece
 from scenewidget.datasets.plan import Plan, numbered, shell
 from scenewidget.datasets.scene import Scene, place
 from scenewidget.datasets.shapes import union

@@ -13,7 +13,7 @@ import numpy as np
 
 from scenewidget.datasets import fittings, materials
 from scenewidget.datasets.fittings import LACQUER
-from scenewidget.datasets.furniture import SINK, Part, Piece
+from scenewidget.datasets.objects import SINK, Part, Piece
 from scenewidget.datasets.scene import Thing, place
 from scenewidget.datasets.shapes import Shape, box, cut, displaced, half_space, overlap, ripples
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scenewidget.datasets.furniture import Part, Piece
 from scenewidget.datasets.materials import Material
+from scenewidget.datasets.objects import Part, Piece
 from scenewidget.engine.mesh import FloatArray, IntArray
 
 __all__ = ["Scene", "Thing", "place"]

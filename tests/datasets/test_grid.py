@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scenewidget.datasets.furniture import Part
 from scenewidget.datasets.grid import extract_surface, sample_scene
 from scenewidget.datasets.materials import Material
+from scenewidget.datasets.objects import Part
 from scenewidget.datasets.scene import Scene, Thing
 from scenewidget.datasets.shapes import ball
 from scenewidget.engine.mesh import Mesh

@@ -1,4 +1,4 @@
-"""Furniture that stands on the floor, each piece different by its random generator.
+"""Objects that stand on the floor, such as sofas and tables, each piece different by its random generator.
 
 A piece is built in a frame of its own: origin on the floor in the middle of its back, x to the right, y
 forward, z up, metres. It reaches a little under the floor (`SINK`), so that noise never opens a gap between
