@@ -16,7 +16,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from scenewidget.engine.felzenszwalb import felzenszwalb as join_light_edges
+from scenewidget.engine.felzenszwalb import join_light_edges
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, face_adjacency, weld
 from scenewidget.engine.moments import mean_normals
 from scenewidget.engine.monitor import Monitor, Progress

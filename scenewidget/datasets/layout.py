@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from scenewidget.datasets import fittings, furniture
+from scenewidget.datasets import fittings, objects
 from scenewidget.datasets.objects import Maker, Piece
 from scenewidget.datasets.plan import Plan, numbered, shell
 from scenewidget.datasets.scene import Scene, place
@@ -44,22 +44,22 @@ STYLES: dict[str, tuple[str, ...]] = {
 }  # fmt: skip
 
 _STANDING: dict[str, Maker] = {
-    "armchair": furniture.armchair,
-    "bed": furniture.bed,
-    "bin": furniture.bin_,
-    "chair": furniture.chair,
-    "coffee table": furniture.coffee_table,
-    "desk": furniture.desk,
-    "floor lamp": furniture.floor_lamp,
-    "nightstand": furniture.nightstand,
-    "plant": furniture.plant,
-    "pouf": furniture.pouf,
-    "round table": furniture.round_table,
-    "shelf": furniture.shelf,
-    "sideboard": furniture.sideboard,
-    "sofa": furniture.sofa,
-    "table": furniture.table,
-    "wardrobe": furniture.wardrobe,
+    "armchair": objects.armchair,
+    "bed": objects.bed,
+    "bin": objects.bin_,
+    "chair": objects.chair,
+    "coffee table": objects.coffee_table,
+    "desk": objects.desk,
+    "floor lamp": objects.floor_lamp,
+    "nightstand": objects.nightstand,
+    "plant": objects.plant,
+    "pouf": objects.pouf,
+    "round table": objects.round_table,
+    "shelf": objects.shelf,
+    "sideboard": objects.sideboard,
+    "sofa": objects.sofa,
+    "table": objects.table,
+    "wardrobe": objects.wardrobe,
 }
 _HANGING: dict[str, tuple[Maker, float, float]] = {  # maker, range of heights
     "picture": (fittings.picture, 1.35, 1.7),

@@ -15,7 +15,7 @@ import numpy as np
 
 from scenewidget.engine.allocation import allocate
 from scenewidget.engine.distances import edge_costs
-from scenewidget.engine.felzenszwalb import felzenszwalb
+from scenewidget.engine.felzenszwalb import join_light_edges
 from scenewidget.engine.items import Items
 from scenewidget.engine.kmedoids import Init, Ties, alternate, initial_medoids
 from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
@@ -163,7 +163,7 @@ def felzenszwalb_members(
         c = float(np.exp(rng.uniform(*np.log(threshold))))
         weights = np.where(items.is_convex, alpha * costs, costs) + hop
         weights = weights * np.exp(jitter * rng.standard_normal(len(weights)))
-        return felzenszwalb(items.n, items.pairs, weights, threshold=c, sizes=items.areas)
+        return join_light_edges(items.n, items.pairs, weights, threshold=c, sizes=items.areas)
 
     return _collect(run, n_runs, items.n, n_threads, monitor)
 

@@ -11,10 +11,10 @@ import numpy as np
 
 from scenewidget.engine.mesh import FloatArray, IntArray
 
-__all__ = ["felzenszwalb"]
+__all__ = ["join_light_edges"]
 
 
-def felzenszwalb(
+def join_light_edges(
     n_items: int,
     pairs: IntArray,
     weights: FloatArray,
@@ -53,9 +53,9 @@ def felzenszwalb(
     Examples
     --------
     >>> import numpy as np
-    >>> from scenewidget.engine.felzenszwalb import felzenszwalb
+    >>> from scenewidget.engine.felzenszwalb import join_light_edges
     >>> pairs = np.array([[0, 1], [1, 2], [2, 3]])
-    >>> felzenszwalb(4, pairs, np.array([0.1, 0.9, 0.1]), threshold=0.2).tolist()
+    >>> join_light_edges(4, pairs, np.array([0.1, 0.9, 0.1]), threshold=0.2).tolist()
     [0, 0, 1, 1]
     """
     if not threshold >= 0:

@@ -68,7 +68,7 @@ def segment_planes(
     items: Items,
     labels: IntArray,
     *,
-    smallest: float = 1.0,
+    min_area: float = 1.0,
     behind: float = 0.12,
     share_behind: float = 0.03,
     lean: float = 0.05,
@@ -81,7 +81,7 @@ def segment_planes(
     items : Items
     labels : (n_items,) int32
         Dense.
-    smallest : float
+    min_area : float
         Least area of a piece of the hull, m².
     behind, share_behind : float
         Of the scene's area, other segments have at most this share more than ``behind`` metres behind the
@@ -112,7 +112,7 @@ def segment_planes(
     normals = vectors[:, :, 0]
     normals = normals * np.where(np.einsum("ij,ij->i", normals, mean) < 0, -1.0, 1.0)[:, None]
     centroids, positions = moments.centroid, items.moments.centroid
-    is_hull = (moments.area >= smallest) & (roughness <= ROUGHNESS)
+    is_hull = (moments.area >= min_area) & (roughness <= ROUGHNESS)
     is_hull &= np.einsum("ij,ij->i", normals, mean) >= PARALLEL
     is_upright = is_hull.copy()
     for s in np.flatnonzero(is_hull):
@@ -146,7 +146,7 @@ def join_planes(
     items: Items,
     labels: IntArray,
     *,
-    smallest_seed: float = 1.0,
+    min_seed_area: float = 1.0,
     reach: tuple[float, float] = (0.03, 0.06),
     shell: float = 0.3,
     near: float = 0.3,
@@ -164,7 +164,7 @@ def join_planes(
     items : Items
     labels : (n_items,) int32
         Dense.
-    smallest_seed : float
+    min_seed_area : float
         Square metres.
     reach : (least, most)
         How far a segment may lie from the plane, and how high the step between it and what it goes on from
@@ -195,7 +195,7 @@ def join_planes(
     [0, 0]
     """
     join = partial(
-        _joined, items, smallest_seed=smallest_seed, reach=reach, shell=shell, near=near, bend=bend
+        _joined, items, min_seed_area=min_seed_area, reach=reach, shell=shell, near=near, bend=bend
     )
     joined = join(labels, is_hull_only=False)
     while joined.max(initial=-1) < labels.max(initial=-1):
@@ -207,7 +207,7 @@ def _joined(
     items: Items,
     labels: IntArray,
     *,
-    smallest_seed: float,
+    min_seed_area: float,
     reach: tuple[float, float],
     shell: float,
     near: float,
@@ -215,7 +215,7 @@ def _joined(
     is_hull_only: bool,
 ) -> IntArray:
     """One round of `join_planes`; dense labels, fewer where segments were joined."""
-    planes = segment_planes(items, labels, smallest=smallest_seed)
+    planes = segment_planes(items, labels, min_area=min_seed_area)
     scatter = items.moments.gather(labels, len(planes.areas)).scatter
     area = np.where(planes.areas > 0, planes.areas, 1.0)
     group = np.arange(len(area))

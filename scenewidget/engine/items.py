@@ -19,7 +19,7 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from scenewidget.engine.features import vertex_to_face
-from scenewidget.engine.felzenszwalb import felzenszwalb
+from scenewidget.engine.felzenszwalb import join_light_edges
 from scenewidget.engine.mesh import (
     BoolArray,
     FloatArray,
@@ -274,7 +274,7 @@ def superfacet_items(
     sweeps : int
         Of `preprocess.filter_normals`.
     threshold : float
-        Of `felzenszwalb`, on the number of faces.
+        Of `join_light_edges`, on the number of faces.
     min_faces : int
         Smallest superfacet at first; less on meshes with fewer than ``min_faces * n_items`` faces.
     bridge : float
@@ -308,7 +308,7 @@ def superfacet_items(
     crumb = size * float(np.median(mesh.face_areas))
     while True:
         label = monitor.call(
-            felzenszwalb, mesh.n_faces, links, weights, threshold=threshold, min_size=size, order=order
+            join_light_edges, mesh.n_faces, links, weights, threshold=threshold, min_size=size, order=order
         )
         count, area = np.bincount(label), np.bincount(label, mesh.face_areas).astype(np.float64)
         # what is still below the minimum has no neighbour within reach: crumbs that float in the air

@@ -180,13 +180,13 @@ def by_filtered_normals(mesh: sw.Mesh, thresholds: tuple[float, ...]) -> Iterato
     normals = preprocess.filter_normals(mesh, pairs, sweeps=30)
     weights = 1.0 - np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]])
     order = np.argsort(weights, kind="stable")
-    patches = felzenszwalb.felzenszwalb(
+    patches = felzenszwalb.join_light_edges(
         mesh.n_faces, pairs, weights, threshold=0.001, min_size=30, order=order
     )
     seconds = time.perf_counter() - start
     for threshold in thresholds:
         start = time.perf_counter()
-        pieces = felzenszwalb.felzenszwalb(
+        pieces = felzenszwalb.join_light_edges(
             mesh.n_faces, pairs, weights, threshold=threshold, min_size=MIN_SIZE, order=order
         )
         labels = with_planes(mesh, pieces, patches, normals)

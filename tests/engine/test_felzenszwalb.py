@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import graphs
 
-from scenewidget.engine.felzenszwalb import felzenszwalb
+from scenewidget.engine.felzenszwalb import join_light_edges
 
 
 def by_the_paper(n, pairs, weights, c, min_size, sizes):
@@ -40,7 +40,7 @@ def by_the_paper(n, pairs, weights, c, min_size, sizes):
 def test_pieces_are_those_of_the_paper(graph, c, min_size, weighted):
     n, pairs, weights = graph
     sizes = np.random.default_rng(n).integers(1, 4, n) / 2 if weighted else np.ones(n)
-    labels = felzenszwalb(
+    labels = join_light_edges(
         n, pairs, weights, threshold=c, min_size=min_size, sizes=sizes if weighted else None
     )
     expected = by_the_paper(n, pairs, weights, c, min_size, sizes)
@@ -53,29 +53,29 @@ def test_pieces_are_those_of_the_paper(graph, c, min_size, weighted):
 def test_an_order_given_beforehand_changes_nothing(graph):
     n, pairs, weights = graph
     order = np.argsort(weights, kind="stable")
-    given_ = felzenszwalb(n, pairs, weights, threshold=1.0, order=order)
-    np.testing.assert_array_equal(given_, felzenszwalb(n, pairs, weights, threshold=1.0))
+    given_ = join_light_edges(n, pairs, weights, threshold=1.0, order=order)
+    np.testing.assert_array_equal(given_, join_light_edges(n, pairs, weights, threshold=1.0))
 
 
 def test_a_weak_edge_holds_what_a_strong_one_cuts():
     pairs = np.array([[0, 1], [1, 2], [2, 3]])
-    labels = felzenszwalb(4, pairs, np.array([0.1, 0.9, 0.1]), threshold=0.2)
+    labels = join_light_edges(4, pairs, np.array([0.1, 0.9, 0.1]), threshold=0.2)
     assert labels.tolist() == [0, 0, 1, 1]
-    assert felzenszwalb(4, pairs, np.array([0.1, 0.9, 0.1]), threshold=5.0).tolist() == [0] * 4
+    assert join_light_edges(4, pairs, np.array([0.1, 0.9, 0.1]), threshold=5.0).tolist() == [0] * 4
 
 
 def test_items_without_size_join_their_first_neighbour():
-    labels = felzenszwalb(
+    labels = join_light_edges(
         3, np.array([[0, 1], [1, 2]]), np.array([5.0, 9.0]), threshold=0.0, sizes=np.zeros(3)
     )
     assert labels.tolist() == [0, 0, 0]
 
 
 def test_no_edges_no_pieces():
-    assert felzenszwalb(3, np.empty((0, 2), int), np.empty(0), threshold=1.0).tolist() == [0, 1, 2]
+    assert join_light_edges(3, np.empty((0, 2), int), np.empty(0), threshold=1.0).tolist() == [0, 1, 2]
 
 
 @pytest.mark.parametrize("threshold", [-0.1, np.nan])
 def test_a_bad_threshold_is_refused(threshold):
     with pytest.raises(ValueError, match="threshold must be at least 0"):
-        felzenszwalb(2, np.array([[0, 1]]), np.ones(1), threshold=threshold)
+        join_light_edges(2, np.array([[0, 1]]), np.ones(1), threshold=threshold)

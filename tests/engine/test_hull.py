@@ -28,7 +28,7 @@ def test_a_table_top_is_no_floor_because_things_lie_behind_it():
 def test_small_and_rough_pieces_found_nothing():
     items, part = scene(sheet((0, 0, 0), (0.9, 1)), sheet((2, 0, 0), (0.9, 1)))
     assert len(set(join_planes(items, part).tolist())) == 2
-    assert len(set(join_planes(items, part, smallest_seed=0.5).tolist())) == 1
+    assert len(set(join_planes(items, part, min_seed_area=0.5).tolist())) == 1
 
 
 def test_the_unlabeled_stay_unlabeled():
