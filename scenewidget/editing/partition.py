@@ -24,9 +24,8 @@ from scenewidget.engine.segmentation import LEVELS, Level, Segmentation
 
 __all__ = ["Change", "KnownCut", "Numbering", "Partition"]
 
-AREA_QUANTA = (
-    2.0**50
-)  # the area of a mesh in whole quanta, since float64 adds whole numbers up to 2^53 exactly
+# A mesh has so many quanta of area, and each face a whole number of them: float64 adds whole numbers exactly.
+AREA_QUANTA = 2.0**50
 
 
 @dataclass(frozen=True, eq=False)
