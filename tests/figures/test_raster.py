@@ -89,23 +89,3 @@ def test_triangles_behind_the_camera_and_none_at_all_leave_the_background():
     nothing = render(np.zeros((0, 3, 3)), np.zeros((0, 3, 3), np.uint8), camera, width=8, height=6)
     assert nothing.shape == (6, 8, 3)
     assert (nothing == 255).all()
-
-
-@pytest.fixture
-def shown(monkeypatch):
-    """(box, plain text) of each bar that a notebook would have shown."""
-    from scenewidget.figures import progress
-
-    boxes, seen = [], []
-
-    class Box(progress.widgets.HBox):
-        def __init__(self, *args, **options):
-            super().__init__(*args, **options)
-            boxes.append(self)
-
-    monkeypatch.setattr(progress.widgets, "HBox", Box)
-    monkeypatch.setattr(progress, "get_ipython", lambda: "a notebook")
-    monkeypatch.setattr(
-        progress, "display", lambda bundle, raw: seen.append((boxes[-1], bundle["text/plain"]))
-    )
-    return seen

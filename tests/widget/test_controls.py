@@ -1,38 +1,9 @@
-"""The settings without a browser: what they say, what they refuse, what has no effect."""
+"""The settings without a browser: what they take, refuse and tell."""
 
 import pytest
-import shapes
-from hypothesis import strategies as st
 
 import scenewidget as sw
 from scenewidget.widget.controls import ParamsControls
-from scenewidget.widget.settings import (
-    SETTINGS,
-)
-
-NAMES = [setting.name for setting in SETTINGS]
-MESH, _ = shapes.room(8, noise=0.003)
-OTHER_VALUES = {
-    "n_segments": [5, "auto"],
-    "k_range": [None, (9, 14)],
-    "feature": ["normals", "cotangent", "hks"],
-    "items": ["superfacets", "simplified"],
-    "consensus": ["linkage", "median", "peac"],
-    "n_runs": [0, 3],
-    "merge": [False, True],
-}
-CHANGES = {  # another value for each option
-    "n_segments": 7, "k_range": (8, 12), "cost_exponent": 1.3, "cost_a": 1.2, "cost_b": -0.8,
-    "feature": "uniform", "items": "simplified", "n_items": 150, "simplifier": "qslim", "filter_sweeps": 5,
-    "bridge": 0.01, "n_slots": 32, "slot_mapping": "angle",
-    "drop_torn": True, "tolerance": 0.5, "medoid_ties": "first", "dihedral_order": "area",
-    "laplacian": "robust", "n_eigenpairs": 12,
-    "feature_floor": 0.2, "hop": 0.3, "convex_weights": (0.5,), "n_runs": 5,
-    "n_graph_runs": 4, "init": "outmost", "allocation": "faces", "merge": True, "merge_flatness": 0.02,
-    "merge_normal": 0.9, "merge_seam": 0.9, "consensus": "median", "linkage_similarity": 0.4,
-    "leftover": "argmax", "join_planes": False, "min_area": 0.3, "relief": 0.02, "contrast": 0.2,
-    "furniture_similarity": 0.6, "granularity": 9, "seed": 4,
-}  # fmt: skip
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*:UserWarning")
 
@@ -40,9 +11,6 @@ pytestmark = pytest.mark.filterwarnings("ignore:.*:UserWarning")
 @pytest.fixture
 def controls():
     return ParamsControls()
-
-
-combinations = st.fixed_dictionaries({name: st.sampled_from(values) for name, values in OTHER_VALUES.items()})
 
 
 def test_a_value_that_can_not_be_is_refused_with_a_reason(controls):

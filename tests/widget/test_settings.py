@@ -34,7 +34,9 @@ OTHER_VALUES = {
 CHANGES = {  # another value for each option
     "n_segments": 7, "k_range": (8, 12), "cost_exponent": 1.3, "cost_a": 1.2, "cost_b": -0.8,
     "feature": "uniform", "items": "simplified", "n_items": 150, "simplifier": "qslim", "filter_sweeps": 5,
-    "bridge": 0.01, "n_slots": 32, "dihedral_order": "area", "laplacian": "robust", "n_eigenpairs": 12,
+    "bridge": 0.01, "n_slots": 32, "slot_mapping": "angle",
+    "drop_torn": True, "tolerance": 0.5, "medoid_ties": "first", "dihedral_order": "area",
+    "laplacian": "robust", "n_eigenpairs": 12,
     "feature_floor": 0.2, "hop": 0.3, "convex_weights": (0.5,), "n_runs": 5,
     "n_graph_runs": 4, "init": "outmost", "allocation": "faces", "merge": True, "merge_flatness": 0.02,
     "merge_normal": 0.9, "merge_seam": 0.9, "consensus": "median", "linkage_similarity": 0.4,
