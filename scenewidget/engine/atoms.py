@@ -17,7 +17,7 @@ from scenewidget.engine.mesh import BoolArray, IntArray
 
 __all__ = ["Atoms", "by_first_appearance", "common_refinement", "renumbered"]
 
-TABLE_LIMIT = 1 << 25  # codes up to here are renumbered through a table of 9 bytes each, not by sorting
+TABLE_LIMIT = 1 << 25  # Codes up to here are renumbered by a table of 9 bytes each, larger ones by sorting.
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,7 +41,7 @@ __all__ = [
 
 Leftover = Literal["alone", "argmax", "linkage"]
 
-BLOCK = 128  # rows of the co-association matrix that a thread counts at a time
+BLOCK = 128  # A thread counts so many rows of the co-association matrix at a time.
 
 
 class CoAssociation(NamedTuple):

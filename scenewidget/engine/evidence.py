@@ -17,16 +17,17 @@ __all__ = ["agreement_behind", "agreement_of_groups", "calibrated", "foreign", "
 # The first two are fitted to the default preset on the tuning half of the quality benchmark by
 # `python tests/benchmarks/calibration.py`, which also says how they do on the other half: the mean agreement
 # is off by 0.13 there on average, the confidence by 0.01. Other presets have not been calibrated.
-# Mean agreement of a face with its segment, and the share of the segment's other faces that belong with it:
+# CONFIDENCE: for a mean agreement of a face with its segment, the share of the segment's other faces that
+# belong with it.
 CONFIDENCE = (
     (0.0, 0.2, 0.35, 0.45, 0.55, 0.65, 0.8, 1.0),
     (0.0, 0.332, 0.616, 0.851, 0.854, 0.862, 0.885, 0.891),
 )
-# Slope and middle of a sigmoid of the mean agreement of two segments, before walls and furniture are joined;
-# each pair of faces weighs alike:
+# SAME_THING: slope and middle of a sigmoid of the mean agreement of two segments, before walls and furniture
+# are joined; each pair of faces weighs alike.
 SAME_THING = (10.2, 0.451)
-# Share of base segments that are foreign to their segment, over the square of what the confidence lacks to 1;
-# by eye, from all scans of the benchmark:
+# FOREIGN: the share of base segments that are foreign to their segment, divided by (1 − confidence)²; by eye,
+# from all scans of the benchmark.
 FOREIGN = 1.3
 
 

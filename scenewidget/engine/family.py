@@ -25,7 +25,7 @@ from scenewidget.engine.segmentation import Segmentation, order_by_area
 
 __all__ = ["Family", "fine_pieces", "make_family"]
 
-FINE_SIMILARITY = 0.9  # what so many of the runs put together is one piece of the finest cut
+FINE_SIMILARITY = 0.9  # What this share of the runs puts together is one piece of the finest cut.
 
 
 @dataclass(frozen=True, eq=False)

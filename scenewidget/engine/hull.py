@@ -19,9 +19,9 @@ from scenewidget.engine.moments import mean_normals
 
 __all__ = ["Planes", "join_planes", "segment_planes"]
 
-PARALLEL = 0.9  # least dot product of normals that agree
-UPRIGHT = 0.2  # largest dot product of the normals of a wall and the floor
-ROUGHNESS = 0.08  # largest root mean square distance from its plane of what can be a piece of a wall, metres
+PARALLEL = 0.9  # Two normals agree whose dot product is at least this.
+UPRIGHT = 0.2  # The dot product of the normals of a wall and of the floor is at most this.
+ROUGHNESS = 0.08  # A piece of a wall lies within so many metres (root mean square) of its plane.
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from scenewidget.engine.mesh import FloatArray, IntArray
 
 __all__ = ["average_linkage", "cut_by_count", "cut_tree"]
 
-CRUMB = 0.001  # share of the area; smaller clusters of a cut don't count
+CRUMB = 0.001  # Clusters below this share of the area don't count in `cut_by_count`.
 
 
 def average_linkage(C: FloatArray, weights: FloatArray) -> FloatArray:

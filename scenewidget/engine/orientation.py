@@ -20,10 +20,10 @@ __all__ = ["Orientation", "facing", "oriented", "warn_of_mixed_winding"]
 
 Orientation = Literal["auto", "as given", "turned"]
 
-CLEAR = 0.2  # rooms have 0.44 to 0.68, a ball from outside −1
-ROOM = 2.2  # metres; smaller things are looked at from outside
+CLEAR = 0.2  # `facing` says something from here on: it is 0.44 to 0.68 for rooms, −1 for a ball from outside.
+ROOM = 2.2  # What is smaller than this (metres) is an object, looked at from outside.
 FEWEST, MOST = 0.02, 300.0  # metres across; less or more is likely to be another unit
-MIXED = 0.02  # share of edges; scans have up to 0.004, where more than two faces meet
+MIXED = 0.02  # More of the edges wound both ways are worth a warning; scans have up to 0.004.
 
 
 def facing(items: Items) -> float:

@@ -25,11 +25,13 @@ from scenewidget.engine.wall_map import Seams, WallMap, wall_maps
 
 __all__ = ["separate_reliefs", "separate_tints"]
 
-FACING = 0.7  # least dot product with the plane's normal of what is in the map: no flanks, no shells
-LARGE = 0.3  # of the wall's main region; larger ones must stand out more: scans bend walls and shift halves
-UNEVEN = 5.0  # a step is this many times the unevenness of the walls
-HOLE = 2  # cells; holes in a map that are up to twice as wide don't count
-SURROUNDED = 0.5  # of its outline, along which a region borders on its wall: a shifted part lies at the edge
+FACING = 0.7  # Items are in the map whose normal has this dot product with the wall's: no flanks, no shells.
+# A region above this share of the wall's main one must stand out more: scans bend walls and shift halves.
+LARGE = 0.3
+UNEVEN = 5.0  # A step is at least this many times as high as the walls are uneven.
+HOLE = 2  # Holes in a map up to twice so many cells wide don't count.
+# A thing borders on its wall along this share of its outline; a part that has been shifted lies at the edge.
+SURROUNDED = 0.5
 
 
 def separate_reliefs(

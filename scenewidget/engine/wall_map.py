@@ -17,11 +17,11 @@ from scenewidget.engine.mesh import FloatArray, IntArray
 
 __all__ = ["Seams", "WallMap", "wall_maps"]
 
-MARGIN = 5  # empty cells round the map, as far as heights are compared
-MOST_CELLS = 2_000  # along a side of the map
-REACH = 2  # cells; a narrow item this near to a broad one is the rim of a step
-RIM = 1  # cells; an item that nowhere holds a square of 2 RIM + 1 cells is narrow
-SHIFTS = ((0.0, 0.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0))  # of the grids, in cells
+MARGIN = 5  # The map has so many empty cells round it, as heights are compared over five cells.
+MOST_CELLS = 2_000  # A side of the map has at most this many cells.
+REACH = 2  # A narrow item within so many cells of a broad one is the rim of a step.
+RIM = 1  # An item is narrow that nowhere holds a square of 2 RIM + 1 cells.
+SHIFTS = ((0.0, 0.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0))  # By so many cells the grids are shifted.
 
 
 @dataclass(frozen=True, eq=False)

@@ -660,7 +660,7 @@ class SceneView(anywidget.AnyWidget):
             items = family.segmentation.items
             if items is None:
                 raise ValueError("the family's segmentation must know its items")
-            piece = np.append(family.piece, np.int32(-1))[items.face_map]
+            piece = items.to_faces(family.piece, -1)
             colors = self._colors.of_family(family, piece)
             self._put("face_piece", compact(piece, family.most))
             self._put("family_merges", family.merges.astype(np.uint32))

@@ -113,10 +113,9 @@ class SegmentColors:
     def of_items(self, items: Items, item_labels: IntArray) -> IntArray:
         """A row of the palette for each segment over items, as near as can be to what is shown."""
         n = int(item_labels.max(initial=-1)) + 1
-        labels = np.append(item_labels, -1)[items.face_map]
+        labels = items.to_faces(item_labels, -1)
         shares = np.bincount(labels[labels >= 0], minlength=n) / self._mesh.n_faces
-        ends = item_labels[items.pairs]
-        ends = ends[(ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1)]
+        ends = items.touching(item_labels).labels
         known = None
         if self.atoms is not None:
             of_atoms = labels[self.atoms.first_face]
