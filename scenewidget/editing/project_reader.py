@@ -44,7 +44,6 @@ __all__ = [
 MOST_BYTES = 16 << 30  # of a project file
 STEPS_A_BYTE = 4  # of SQLite's machine: more than any of our queries takes for a byte that is there
 ATTEMPTS = 5  # while somebody else writes
-LOG_HEADER, FRAME_HEADER = 32, 24  # bytes, of a -wal
 SUPER_JOURNAL = bytes.fromhex("d9d505f920a163d7")  # ends a journal that names another file
 
 T = TypeVar("T")
