@@ -1,17 +1,25 @@
-"""Felzenszwalb by hand on a folded strip, the five measures on known shapes, Karpathy as a whole."""
+"""Felzenszwalb by hand on a folded strip, measures of objectness on known shapes, Karpathy as a whole."""
 
 import math
 import threading
 
 import numpy as np
 import pytest
+import shapes
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
 from scenewidget import metrics
-from scenewidget.baselines import THRESHOLDS, felzenszwalb, karpathy, karpathy_oversegmentations, objectness
+from scenewidget.baselines import (
+    THRESHOLDS,
+    felzenszwalb,
+    karpathy,
+    karpathy_oversegmentations,
+    objectness,
+    shape_measures,
+)
 from scenewidget.baselines.graph_segmentation import face_labels, mesh_graph, vertex_normals
 from scenewidget.baselines.object_discovery import _fill_bag, _overlaps, _suppress
 from scenewidget.engine.mesh import Mesh
@@ -155,7 +163,7 @@ def ball(subdivisions=3):
 def test_smallest_sphere_is_hardly_larger_than_the_smallest(seed):
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(11, 3)) * rng.uniform(0.1, 2, 3)
-    radius = objectness.smallest_sphere_radius(points)
+    radius = shape_measures.smallest_sphere_radius(points)
     farthest = np.linalg.norm(points[:, None] - points[None], axis=-1).max()
     assert 0.5 * farthest <= radius * (1 + 1e-12)
     best = min(
@@ -181,11 +189,11 @@ def _circumspheres(points):
 
 def test_compactness_of_a_ball_is_one_and_of_a_disc_a_quarter():
     points, _ = ball()
-    assert objectness.compactness(4 * np.pi, points) == pytest.approx(1, rel=0.01)
+    assert shape_measures.compactness(4 * np.pi, points) == pytest.approx(1, rel=0.01)
     angle = np.linspace(0, 2 * np.pi, 50, endpoint=False)
     disc = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
-    assert objectness.compactness(np.pi, disc) == pytest.approx(0.25, rel=0.02)
-    assert objectness.compactness(0.0, np.zeros((3, 3))) == 0
+    assert shape_measures.compactness(np.pi, disc) == pytest.approx(0.25, rel=0.02)
+    assert shape_measures.compactness(0.0, np.zeros((3, 3))) == 0
 
 
 def test_a_box_is_its_own_mirror_image_and_a_wedge_is_not():
@@ -203,9 +211,9 @@ def test_a_box_is_its_own_mirror_image_and_a_wedge_is_not():
     ]
     points, normals = np.concatenate(faces) * [3, 2, 1], np.concatenate(normal).astype(float)
     inner = (np.abs(points) < [3, 2, 1]).sum(axis=1) == 2  # edges belong to two sides with two normals
-    assert objectness.symmetry(points[inner], normals[inner]) == pytest.approx(0, abs=1e-12)
+    assert shape_measures.symmetry(points[inner], normals[inner]) == pytest.approx(0, abs=1e-12)
     keep = points[:, 0] + 2 * points[:, 2] < 1
-    assert objectness.symmetry(points[keep], normals[keep]) < -0.1
+    assert shape_measures.symmetry(points[keep], normals[keep]) < -0.1
 
 
 def test_symmetry_is_its_reading():
@@ -219,24 +227,24 @@ def test_symmetry_is_its_reading():
             away = np.linalg.norm(points - p, axis=1)
             k = away.argmin()
             expected -= extent / 4 * (away[k] / extent + 0.3 * (1 - q @ normals[k])) / 3
-    assert objectness.symmetry(points, normals) == pytest.approx(expected)
-    assert objectness.symmetry(np.zeros((4, 3)), np.zeros((4, 3))) == 0
+    assert shape_measures.symmetry(points, normals) == pytest.approx(expected)
+    assert shape_measures.symmetry(np.zeros((4, 3)), np.zeros((4, 3))) == 0
 
 
 def test_global_convexity_is_the_mean_depth_below_the_hull():
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
-    assert objectness.global_convexity(corners) == pytest.approx(0, abs=1e-12)
+    assert shape_measures.global_convexity(corners) == pytest.approx(0, abs=1e-12)
     inside = np.concatenate([corners, [[0, 0, 0], [0.5, 0, 0]]])
-    assert objectness.global_convexity(inside) == pytest.approx(-(1 + 0.5) / 10)
-    assert objectness.global_convexity(corners * [1, 1, 0]) == 0
-    assert objectness.global_convexity(corners[:2]) == 0
+    assert shape_measures.global_convexity(inside) == pytest.approx(-(1 + 0.5) / 10)
+    assert shape_measures.global_convexity(corners * [1, 1, 0]) == 0
+    assert shape_measures.global_convexity(corners[:2]) == 0
 
 
 def test_local_convexity_is_the_share_of_convex_edges_inside():
     pairs = np.array([[0, 1], [1, 2], [2, 3], [3, 4], [4, 5]])
     labels = np.array([0, 0, 0, 1, 1, -1])
     is_convex = np.array([True, False, True, True, True])
-    share = objectness.local_convexity(labels, 3, pairs, is_convex)
+    share = shape_measures.local_convexity(labels, 3, pairs, is_convex)
     np.testing.assert_array_equal(share, [0.5, 1, 0])
     points, _ = ball()
     mesh = Mesh(points, trimesh.creation.icosphere(3).faces)
@@ -248,7 +256,7 @@ def test_local_convexity_is_the_share_of_convex_edges_inside():
 def test_neighbours_in_the_tangent_plane_are_their_definition():
     mesh = Mesh(ball(1)[0] * [1, 2, 1], trimesh.creation.icosphere(1).faces)
     graph = mesh_graph(mesh, "vertices", "outward", SILENT)
-    first, second, slot = objectness.tangent_neighbours(graph.positions, graph.normals, graph.pairs)
+    first, second, slot = shape_measures.tangent_neighbours(graph.positions, graph.normals, graph.pairs)
     near = np.eye(mesh.n_vertices, dtype=int)
     near[graph.pairs[:, 0], graph.pairs[:, 1]] = near[graph.pairs[:, 1], graph.pairs[:, 0]] = 1
     expected = set(zip(*np.nonzero((near @ near > 0) & ~np.eye(mesh.n_vertices, dtype=bool))))
@@ -274,15 +282,109 @@ def test_smoothness_is_the_mean_entropy_with_every_slot_started_at_one():
         p = np.array(counts) / np.sum(counts)
         return -(p * np.log(p)).sum()
 
-    value = objectness.smoothness(labels, 3, (first, second, slot))
+    value = shape_measures.smoothness(labels, 3, (first, second, slot))
     of_0 = (entropy([3, 1, 1, 1, 1, 1, 1, 1]) + 2 * entropy([2, 1, 1, 1, 1, 1, 1, 1])) / 3
     np.testing.assert_allclose(value, [of_0, np.log(8), 0])
+
+
+def whole(mesh, **options):
+    return objectness(mesh, np.arange(mesh.n_faces), **options)
+
+
+def test_a_ball_is_the_most_compact_symmetric_and_convex_thing():
+    ball = whole(shapes.icosphere(4))
+    assert ball["compactness"] == pytest.approx(1, rel=0.02)
+    assert ball["symmetry"] == pytest.approx(0, abs=0.03)
+    assert ball["local_convexity"] == 1
+    assert ball["global_convexity"] == pytest.approx(0, abs=1e-9)
+    assert whole(shapes.icosphere(4), convexity="inward")["local_convexity"] == 0
+
+
+def test_a_block_has_the_compactness_of_its_sides():
+    a, b, c = 1.0, 2.0, 3.0
+    block = whole(shapes.box(6, size=(a, b, c)))
+    diagonal = np.sqrt(a * a + b * b + c * c)
+    assert block["compactness"] == pytest.approx(
+        2 * (a * b + b * c + c * a) / (np.pi * diagonal**2), rel=0.02
+    )
+    assert block["symmetry"] == pytest.approx(0, abs=0.02)
+    assert block["global_convexity"] == pytest.approx(0, abs=1e-9)
+
+
+def test_a_square_is_flat_symmetric_and_has_no_convex_edge():
+    square = whole(shapes.grid_square(8))
+    assert square["compactness"] == pytest.approx(1 / (4 * np.pi * 0.5), rel=0.02)
+    assert square["global_convexity"] == 0
+    assert square["local_convexity"] == 0
+    assert square["symmetry"] == pytest.approx(0, abs=1e-9)
+
+
+def test_a_room_from_inside_is_concave_and_a_dent_lies_under_the_hull():
+    box = shapes.box(4)
+    inside = Mesh(box.vertices, box.faces[:, ::-1])
+    assert whole(inside)["local_convexity"] == 0
+    corner = Mesh(
+        [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2], [0, 2, 3], [0, 3, 1]]
+    )  # hull: the tetrahedron, on which all four lie
+    assert whole(corner)["global_convexity"] == pytest.approx(0, abs=1e-12)
+    dent = Mesh(
+        [*corner.vertices[1:], [0, 0, 0], [0.2, 0.2, 0.2]], [[0, 1, 4], [1, 2, 4], [2, 0, 4], [0, 1, 3]]
+    )
+    assert whole(dent)["global_convexity"] == pytest.approx(-0.2 / 5)  # one of five, .2 from a side
+
+
+def test_in_a_lone_triangle_each_corner_sees_two_directions():
+    entropy = np.log(10) - 2 * 2 * np.log(2) / 10  # eight slots that start at 1, two of them with one more
+    triangle = Mesh([[0, 0, 0], [1, 0, 0], [0.5, np.sqrt(0.75), 0]], [[0, 1, 2]])
+    assert whole(triangle)["smoothness"] == pytest.approx(entropy)
+
+
+def test_recurrence_is_the_distance_to_what_is_alike():
+    chair, copy = (
+        shapes.box(3, size=(0.5, 0.6, 1.0)),
+        shapes.moved(shapes.box(3, size=(0.5, 0.6, 1.0)), seed=4),
+    )
+    other = shapes.box(3, size=(2.0, 3.0, 0.1))
+    every = lambda mesh: (mesh, np.arange(mesh.n_faces))  # noqa: E731
+    assert np.isnan(whole(chair)["recurrence"])
+    assert whole(chair, others=[every(copy)])["recurrence"] == pytest.approx(0, abs=1e-6)
+    assert whole(chair, others=[every(other)])["recurrence"] < -0.1
+    near = whole(chair, others=[every(copy)] * 10 + [every(other)])["recurrence"]
+    assert near == pytest.approx(0, abs=1e-6)  # of eleven the ten most similar count
+    flat = np.array([[-1.0, 0, 0], [1, 0, 0]])
+    assert shape_measures.recurrence(flat, [flat * 2]) == pytest.approx(-1)
+
+
+def test_a_segment_is_measured_by_itself_whatever_lies_around_it():
+    ball = shapes.icosphere(3)
+    scene = shapes.joined(ball, shapes.grid_square(5), gap=1.0)
+    mask = np.arange(scene.n_faces) < ball.n_faces
+    alone, there = whole(ball), objectness(scene, mask)
+    for name in alone:
+        np.testing.assert_allclose(there[name], alone[name], atol=1e-7, err_msg=name)
+    assert objectness(scene, np.flatnonzero(mask))["symmetry"] == there["symmetry"]
+
+
+@pytest.mark.parametrize(
+    ("faces", "options", "error", "message"),
+    [
+        ([], {}, ValueError, "faces is empty"),
+        ([0, 99], {}, ValueError, r"faces must lie in 0\.\.31, got 0\.\.99"),
+        ([0.5], {}, TypeError, "faces must be face numbers or a mask"),
+        (np.ones(3, dtype=bool), {}, ValueError, r"an entry a face of the mesh: \(32,\)"),
+        ([0], {"others": [3]}, TypeError, r"others\[0\] must be a pair \(mesh, faces\)"),
+        ([0], {"convexity": "up"}, ValueError, "convexity must be"),
+    ],
+)
+def test_faces_that_are_none_are_refused(faces, options, error, message):
+    with pytest.raises(error, match=message):
+        objectness(shapes.grid_square(4), faces, **options)
 
 
 def test_objectness_is_the_mean_of_standardised_measures():
     measures = np.array([[1.0, 10, 5], [2, 20, 5], [3, 60, 5]])
     standard = (measures - measures.mean(axis=0))[:, :2] / measures.std(axis=0)[:2]
-    np.testing.assert_allclose(objectness.objectness(measures), standard.sum(axis=1) / 3)
+    np.testing.assert_allclose(shape_measures.mean_objectness(measures), standard.sum(axis=1) / 3)
 
 
 # --- Karpathy -------------------------------------------------------------------------------------

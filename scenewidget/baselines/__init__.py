@@ -4,5 +4,6 @@ from __future__ import annotations
 
 from scenewidget.baselines.graph_segmentation import THRESHOLDS, felzenszwalb, karpathy_oversegmentations
 from scenewidget.baselines.object_discovery import karpathy
+from scenewidget.baselines.segment_objectness import objectness
 
-__all__ = ["THRESHOLDS", "felzenszwalb", "karpathy", "karpathy_oversegmentations"]
+__all__ = ["THRESHOLDS", "felzenszwalb", "karpathy", "karpathy_oversegmentations", "objectness"]

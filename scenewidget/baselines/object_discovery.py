@@ -26,11 +26,11 @@ from scenewidget.baselines.graph_segmentation import (
     mesh_graph,
     segment_graph,
 )
-from scenewidget.baselines.objectness import (
+from scenewidget.baselines.shape_measures import (
     compactness,
     global_convexity,
     local_convexity,
-    objectness,
+    mean_objectness,
     smoothness,
     symmetry,
     tangent_neighbours,
@@ -81,7 +81,7 @@ def karpathy(
        than 2 cm along a principal axis. "thin", "flat": second eigenvalue of the scatter of the vertices
        below .05, third below .001 of the first. The paper has them all, under that heading; the thesis
        none.
-    3. Objectness: the mean of five normalised measures, see `scenewidget.baselines.objectness`.
+    3. Objectness: the mean of five normalised measures, see `scenewidget.baselines.shape_measures`.
     4. Non-maximum suppression, the best first: a piece goes if its intersection with a better one that
        stays is more than `overlap` of their union, counted in vertices.
     5. The pieces left are painted from the lowest rank to the highest, so a better piece covers a worse
@@ -142,7 +142,7 @@ def karpathy(
     keep = ~np.any([_rejected(bag, rule) for rule in reject], axis=0) if reject else np.ones(len(bag), bool)
     score = np.full(len(bag), np.nan)
     if keep.any():
-        score[keep] = objectness(_measure(bag, graph, shared, keep, monitor)[keep])
+        score[keep] = mean_objectness(_measure(bag, graph, shared, keep, monitor)[keep])
     ranking = _suppress(score, bag.shapes.n_members, shared, overlap)[:n_objects]
     labels = _paint(bag, ranking, graph.faces)
     n_painted = len(ranking)

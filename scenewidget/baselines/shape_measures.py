@@ -3,10 +3,12 @@
 Go in: pieces of a mesh. Come out: the five intrinsic measures of Karpathy, Miller and Fei-Fei (2013),
 *Object discovery in 3D scenes via shape analysis*, ICRA, and their mean after normalisation. The paper
 describes them in a sentence each; each function here says how it reads that sentence. All are signed so
-that more means more of an object. Recurrence, their sixth, needs several scenes and is left out.
+that more means more of an object. Their sixth, recurrence, compares with pieces from elsewhere.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
@@ -18,7 +20,8 @@ __all__ = [
     "compactness",
     "global_convexity",
     "local_convexity",
-    "objectness",
+    "mean_objectness",
+    "recurrence",
     "smallest_sphere_radius",
     "smoothness",
     "symmetry",
@@ -29,7 +32,7 @@ N_DIRECTIONS = 8  # slots of the angles in the tangent plane, as in the authors'
 NORMAL_WEIGHT = 0.3  # of a turned normal against a displacement by the piece's extent, likewise
 
 
-def objectness(measures: FloatArray) -> FloatArray:
+def mean_objectness(measures: FloatArray) -> FloatArray:
     """Mean of the measures, each brought to mean 0 and standard deviation 1 over the pieces.
 
     Parameters
@@ -166,6 +169,39 @@ def global_convexity(points: FloatArray) -> float:
         return 0.0
     depth = -(points @ facets[:, :3].T + facets[:, 3])
     return -float(np.maximum(depth.min(axis=1), 0.0).mean())
+
+
+def recurrence(points: FloatArray, others: Sequence[FloatArray], n_nearest: int = 10) -> float:
+    """How much a piece is like others: minus the mean distance to the most similar ones, metres.
+
+    Reading: two pieces lie in their principal frames, the second also turned by half a turn about each
+    axis; their distance is the mean from each point of one to the nearest of the other, the mean of both
+    ways, in the turn where it is least.
+
+    Parameters
+    ----------
+    points : (n_points, 3) float64
+        In the principal frame: centered, an axis a column.
+    others : sequence of (n, 3) float64
+        Likewise.
+    n_nearest : int
+        Over how many of the most similar ones the mean is; ten in the paper.
+
+    Returns
+    -------
+    recurrence : float
+        At most 0, which is that of a piece of which there are so many copies; nan without others.
+    """
+    if not others:
+        return float("nan")
+    tree = cKDTree(points)
+    turns = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    found = []
+    for other in others:
+        there = [tree.query(other * turn)[0].mean() for turn in turns]
+        back = [cKDTree(other * turn).query(points)[0].mean() for turn in turns]
+        found.append(0.5 * float(np.min(np.add(there, back))))
+    return -float(np.mean(np.sort(found)[:n_nearest]))
 
 
 def local_convexity(labels: IntArray, n_pieces: int, pairs: IntArray, is_convex: BoolArray) -> FloatArray:
