@@ -47,8 +47,8 @@ def mean_objectness(measures: FloatArray) -> FloatArray:
     Examples
     --------
     >>> import numpy as np
-    >>> from scenewidget.baselines.objectness import objectness
-    >>> objectness(np.array([[1.0, 10.0], [3.0, 30.0]])).tolist()  # two pieces, two measures
+    >>> from scenewidget.baselines.shape_measures import mean_objectness
+    >>> mean_objectness(np.array([[1.0, 10.0], [3.0, 30.0]])).tolist()  # two pieces, two measures
     [-1.0, 1.0]
     """
     spread = measures.std(axis=0)
@@ -71,7 +71,7 @@ def compactness(area: float, points: FloatArray) -> float:
     Examples
     --------
     >>> import numpy as np
-    >>> from scenewidget.baselines.objectness import compactness
+    >>> from scenewidget.baselines.shape_measures import compactness
     >>> from scenewidget.datasets.analytic import sphere
     >>> round(compactness(4 * np.pi, sphere(3).vertices), 2)  # a ball: its sphere is its own
     1.0
@@ -88,7 +88,7 @@ def smallest_sphere_radius(points: FloatArray, n_steps: int = 200) -> float:
 
     Examples
     --------
-    >>> from scenewidget.baselines.objectness import smallest_sphere_radius
+    >>> from scenewidget.baselines.shape_measures import smallest_sphere_radius
     >>> from scenewidget.datasets.analytic import sphere
     >>> round(smallest_sphere_radius(sphere(2, radius=2.0).vertices), 2)
     2.0
@@ -123,7 +123,7 @@ def symmetry(points: FloatArray, normals: FloatArray) -> float:
 
     Examples
     --------
-    >>> from scenewidget.baselines.objectness import symmetry
+    >>> from scenewidget.baselines.shape_measures import symmetry
     >>> from scenewidget.datasets.analytic import sphere
     >>> ball = sphere(2)
     >>> abs(round(float(symmetry(ball.vertices, ball.vertices)), 2))
@@ -158,7 +158,7 @@ def global_convexity(points: FloatArray) -> float:
 
     Examples
     --------
-    >>> from scenewidget.baselines.objectness import global_convexity
+    >>> from scenewidget.baselines.shape_measures import global_convexity
     >>> from scenewidget.datasets.analytic import sphere
     >>> abs(round(float(global_convexity(sphere(2).vertices)), 6))
     0.0
@@ -191,6 +191,14 @@ def recurrence(points: FloatArray, others: Sequence[FloatArray], n_nearest: int 
     -------
     recurrence : float
         At most 0, which is that of a piece of which there are so many copies; nan without others.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.baselines.shape_measures import recurrence
+    >>> stick = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    >>> recurrence(stick, [2 * stick])
+    -1.0
     """
     if not others:
         return float("nan")
@@ -210,7 +218,7 @@ def local_convexity(labels: IntArray, n_pieces: int, pairs: IntArray, is_convex:
     Examples
     --------
     >>> import numpy as np
-    >>> from scenewidget.baselines.objectness import local_convexity
+    >>> from scenewidget.baselines.shape_measures import local_convexity
     >>> pairs, is_convex = np.array([[0, 1], [1, 2]]), np.array([True, True])
     >>> local_convexity(np.array([0, 0, 1]), 2, pairs, is_convex).tolist()  # the second piece has no edge
     [1.0, 0.0]
@@ -237,7 +245,7 @@ def tangent_neighbours(
     Examples
     --------
     >>> import numpy as np
-    >>> from scenewidget.baselines.objectness import tangent_neighbours
+    >>> from scenewidget.baselines.shape_measures import tangent_neighbours
     >>> positions = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
     >>> normals, pairs = np.tile([0.0, 0.0, 1.0], (3, 1)), np.array([[0, 1], [1, 2]])
     >>> first, second, slot = tangent_neighbours(positions, normals, pairs)
@@ -275,7 +283,7 @@ def smoothness(
     Examples
     --------
     >>> import numpy as np
-    >>> from scenewidget.baselines.objectness import smoothness, tangent_neighbours
+    >>> from scenewidget.baselines.shape_measures import smoothness, tangent_neighbours
     >>> positions = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
     >>> normals, pairs = np.tile([0.0, 0.0, 1.0], (3, 1)), np.array([[0, 1], [1, 2]])
     >>> smoothness(np.zeros(3, int), 1, tangent_neighbours(positions, normals, pairs)).shape
