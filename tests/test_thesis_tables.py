@@ -1,11 +1,13 @@
 """The thesis' tables on a scene made here, in the format of SceneNN."""
 
 import numpy as np
+import pandas as pd
 import pytest
-import thesis_tables
 from scenenn_files import scenenn_ply
 
 import scenewidget as sw
+from scenewidget.command_line import main
+from scenewidget.command_line import tables as thesis_tables
 
 
 def write_room(folder, scene, seed=0):
@@ -52,10 +54,27 @@ def test_one_command_prints_every_table(tmp_path, capsys):
     folder = write_room(write_room(tmp_path / "data", "016"), "066", seed=1)
     by_hand = tmp_path / "by hand"
     by_hand.mkdir()
-    np.save(by_hand / "066.npy", np.repeat([0, 1, 2, 3], 24 * 24 * 2))
+    mesh, truth = sw.datasets.load_scenenn(folder / "066" / "066.ply")
+    session = sw.Session(mesh, truth)
+    session.merge(0, onto_face=mesh.n_faces - 1)  # one mistake, taken back: what is left is right
+    session.undo()
+    session.save(by_hand / "066.swproj")
+    session.close()
+    before = (by_hand / "066.swproj").read_bytes()
     csv = tmp_path / "all.csv"
-    code = thesis_tables.main(
-        [str(folder), "--scenes", "016", "066", "071", "--semi-automatic", str(by_hand), "--csv", str(csv)]
+    code = main(
+        [
+            "tables",
+            str(folder),
+            "--scenes",
+            "016",
+            "066",
+            "071",
+            "--semi-automatic",
+            str(by_hand),
+            "--csv",
+            str(csv),
+        ]
     )
     out, err = capsys.readouterr()
     assert code == 0
@@ -64,6 +83,8 @@ def test_one_command_prints_every_table(tmp_path, capsys):
     for number in ("4.2", "4.3", "4.4", "4.5", "4.6"):
         assert f"Table {number}" in out
     assert "0.0914" in out  # the thesis' value for scene 016
+    assert "0.1412 (0.0755)" in out  # with the deviation over thresholds that it printed
+    assert (by_hand / "066.swproj").read_bytes() == before
     lines = csv.read_text().splitlines()
     assert len(lines) == 1 + 1 + 2 * (1 + 10 + 1)  # header, by hand, and two scenes × (ours, ten, final)
     by_hand_line = next(line for line in lines if line.startswith("Semi-Automatic"))
@@ -88,7 +109,7 @@ def test_settings_hold_every_feature_and_cost_function_of_the_thesis(monkeypatch
 
 
 def test_tables_average_over_scenes_and_settings():
-    measured = thesis_tables.pd.DataFrame(
+    measured = pd.DataFrame(
         [
             {"method": thesis_tables.OVER, "scene": s, "setting": c, "RI": v, "GCE": 0.5, "LCE": 0.25,
              "coverage": 1.0, "seconds": 2.0}
@@ -97,12 +118,36 @@ def test_tables_average_over_scenes_and_settings():
     )  # fmt: skip
     table = thesis_tables.per_scene(measured, thesis_tables.OVER)
     assert table.loc["016", "RI"] == "0.2000 (0.1000)"
-    assert table.loc["057", ["RI", "GCE", "thesis RI"]].tolist() == ["0.2000", "0.5000", "0.1671"]
+    assert table.loc["057", ["RI", "GCE", "thesis RI"]].tolist() == ["0.2000", "0.5000", "0.1671 (0.0357)"]
     row = thesis_tables.summary(measured).loc[thesis_tables.OVER]
     assert row["RI"] == f"0.2000 ({np.std([0.1, 0.3, 0.2, 0.2]):.4f})"
-    assert row["thesis RI"] == f"{(0.1412 + 0.1671) / 2:.4f}"
+    assert row["thesis RI"] == f"{(0.1412 + 0.1671) / 2:.4f} ({(0.1671 - 0.1412) / 2:.4f})"
+
+
+def test_printed_deviations_are_those_of_the_printed_values():
+    for name, printed in thesis_tables.THESIS.items():
+        spread = np.std(list(printed.values()), axis=0)
+        if name != thesis_tables.OVER:  # that one is over scenes and thresholds together
+            np.testing.assert_allclose(spread, thesis_tables.SPREADS[name], atol=2e-3)
+    means = np.array(list(thesis_tables.THESIS[thesis_tables.OVER].values()))
+    within = np.array(list(thesis_tables.SPREADS_OVER.values()))
+    together = np.sqrt(means.var(axis=0) + (within**2).mean(axis=0))
+    np.testing.assert_allclose(together, thesis_tables.SPREADS[thesis_tables.OVER], atol=1e-3)
 
 
 def test_a_folder_without_scenes_ends_with_a_word(tmp_path, capsys):
-    assert thesis_tables.main([str(tmp_path), "--scenes", "016"]) == 1
-    assert "not in" in capsys.readouterr().err
+    assert main(["tables", str(tmp_path), "--scenes", "016"]) == 1
+    assert "SceneNN's files are found as 016/016.ply" in capsys.readouterr().err
+
+
+def test_a_damaged_scene_ends_with_its_name_and_no_traceback(tmp_path, capsys):
+    (tmp_path / "016.ply").write_bytes(b"ply")
+    assert main(["tables", str(tmp_path), "--scenes", "016"]) == 1
+    assert "scenewidget tables: '016.ply'" in capsys.readouterr().err
+
+
+def test_unknown_words_get_the_list_of_commands(capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["tabels"])
+    assert end.value.code == 2
+    assert "tables" in capsys.readouterr().err

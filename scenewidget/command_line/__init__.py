@@ -1,0 +1,47 @@
+"""What ``scenewidget`` does in a shell: a module for each command, each a thin skin over the package.
+
+``scenewidget --help`` lists the commands; ``scenewidget tables --help`` explains one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+__all__ = ["main"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Words after the program's name; those of the shell by default.
+
+    Returns
+    -------
+    code : int
+        0 if all went well, 1 if the command could not do its work, 2 for words that it does not know.
+
+    Examples
+    --------
+    >>> from scenewidget.command_line import main
+    >>> main(["tables", "no/such/folder", "--scenes", "016"])
+    1
+    """
+    from scenewidget.command_line import tables
+
+    parser = argparse.ArgumentParser(
+        prog="scenewidget", description="Cut indoor 3D scans into meaningful pieces and judge the result."
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for command in (tables,):
+        command.add_parser(commands)
+    options = parser.parse_args(arguments)
+    try:
+        return int(options.run(options))
+    except (OSError, TypeError, ValueError) as error:  # bad input: what the package says, no traceback
+        print(f"scenewidget {options.command}: {error}", file=sys.stderr)
+        return 1
