@@ -149,7 +149,7 @@ def test_keys_move_a_slider_and_only_the_last_value_is_computed(explorer):
     for _ in range(4):
         slider.press("ArrowRight")
     explorer.page.wait_for_function(
-        "() => document.querySelector('[data-name=n_segments] input[type=number]').value === '10'"
+        "() => document.querySelector('[data-name=n_segments] [role=spinbutton]').value === '10'"
     )
     explorer.rested()
     assert explorer.python("(w.params.n_segments, w.params.k_range)") == (10, None)
@@ -202,6 +202,26 @@ def test_a_result_that_comes_meanwhile_leaves_alone_what_is_being_typed(explorer
     box.blur()
     explorer.book.execute("w.params = w.params.replace(cost_exponent=1.5); w.wait()")
     assert box.input_value() == "1.5"
+
+
+def test_a_decimal_comma_is_one_and_what_is_no_number_is_refused(explorer):
+    box = explorer.settings.get_by_role("spinbutton", name="Cost exponent, exactly")
+
+    def type_in(text):
+        box.select_text()
+        explorer.page.keyboard.type(text)
+        box.press("Enter")
+
+    type_in("1,25")
+    explorer.book.wait_for("w.params.cost_exponent", 1.25)
+    explorer.rested()
+    assert box.input_value() == "1.25"
+    type_in("1,2,5")
+    explorer.settings.get_by_text("is no number").wait_for()
+    assert explorer.python("w.params.cost_exponent") == 1.25
+    box.press("Escape")
+    explorer.settings.get_by_text("is no number").wait_for(state="hidden")
+    assert box.input_value() == "1.25"
 
 
 def test_what_has_no_effect_can_not_be_set(explorer):

@@ -10,7 +10,13 @@ const SOURCE = join(import.meta.dirname, "..", "src");
 /** Each may import from itself and from those before it. `index.js` puts everything together. */
 const LAYERS = ["wire", "labels", "scene", "input", "panel"];
 /** The settings beside a view are another page element: they share these with it. */
-const SHARED_WITH_CONTROLS = ["controls", "wire", "panel/elements.js", "panel/theme.js"];
+const SHARED_WITH_CONTROLS = [
+  "controls",
+  "wire",
+  "panel/elements.js",
+  "panel/number_input.js",
+  "panel/theme.js",
+];
 
 /** Imports of each file, those of types included. */
 const imports = new Map(

@@ -1,6 +1,7 @@
 /** One setting: its label, its input, why it has no effect now, what is wrong with it. */
 
 import { element } from "../panel/elements.js";
+import { createNumberInput, numberOf } from "../panel/number_input.js";
 
 /**
  * @typedef {object} Description
@@ -34,6 +35,8 @@ import { element } from "../panel/elements.js";
  * @property {(name: string) => void} leave
  */
 
+/** @typedef {Actions & { refuse: (text: string) => void }} Typing  refuse: what isn't a number */
+
 /** @typedef {{ element: HTMLElement, inputs: HTMLInputElement[] | HTMLSelectElement[], show: (state: FieldState) => void }} Input */
 
 const KEY_MS = 350; // keys that follow each other faster are one movement
@@ -44,7 +47,16 @@ export function createField(description, actions) {
   const { name, label, tip, group, kind } = description;
   const id = `swc-${++nFields}`;
   const makers = { slider, family: slider, range, number, choice, check, list };
-  const input = makers[kind](description, actions, id);
+  /** Text that was typed and is no number. */
+  let refused = "";
+  /** @type {FieldState | null} */
+  let last = null;
+  const refuse = (/** @type {string} */ text) => {
+    if (text === refused) return;
+    refused = text;
+    if (last) update(last);
+  };
+  const input = makers[kind](description, { ...actions, refuse }, id);
   const why = element("div", { class: "swc-why", id: `${id}-why`, hidden: "" });
   const text = element("label", { class: "swc-label", for: id, title: tip }, [label]);
   const row = element("div", { class: `swc-row swc-${kind}`, "data-name": name, title: tip }, [
@@ -60,22 +72,26 @@ export function createField(description, actions) {
     name,
     group,
     element: row,
-    /** @param {FieldState} state */
-    update(state) {
-      input.show(state);
-      const said = state.problem || state.idle;
-      why.textContent = said;
-      why.hidden = said === "" || (group !== "" && state.problem === "");
-      row.title = state.idle ? `${tip} ${state.idle}` : tip;
-      row.classList.toggle("swc-idle", state.idle !== "");
-      row.classList.toggle("swc-wrong", state.problem !== "");
-      row.classList.toggle("swc-changed", state.isChanged);
-      for (const control of input.inputs) {
-        if (control.dataset.free === undefined)
-          control.disabled = state.idle !== "" || control.dataset.off === "";
-      }
-    },
+    update,
   };
+
+  /** @param {FieldState} state */
+  function update(state) {
+    last = state;
+    input.show(state);
+    const problem = refused ? `“${refused}” is no number` : state.problem;
+    const said = problem || state.idle;
+    why.textContent = said;
+    why.hidden = said === "" || (group !== "" && problem === "");
+    row.title = state.idle ? `${tip} ${state.idle}` : tip;
+    row.classList.toggle("swc-idle", state.idle !== "");
+    row.classList.toggle("swc-wrong", problem !== "");
+    row.classList.toggle("swc-changed", state.isChanged);
+    for (const control of input.inputs) {
+      if (control.dataset.free === undefined)
+        control.disabled = state.idle !== "" || control.dataset.off === "";
+    }
+  }
 }
 
 /**
@@ -121,10 +137,13 @@ function followDrag(input, value, name, actions) {
   return () => isMoving;
 }
 
-/** @param {Description} d @param {Actions} actions @param {string} id @returns {Input} */
+/** @param {Description} d @param {Typing} actions @param {string} id @returns {Input} */
 function slider({ name, label, low = 0, high = 1, step = 1, automatic, automaticValue, kind }, actions, id) {
   const track = element("input", { type: "range", id, min: `${low}`, max: `${high}`, step: `${step}` });
-  const exact = element("input", { type: "number", step: `${step}`, "aria-label": `${label}, exactly` });
+  const typed = () => numberOf(exact.value);
+  const exact = createNumberInput({ step }, { "aria-label": `${label}, exactly` }, () =>
+    actions.set(name, typed()),
+  );
   const box = automatic
     ? checkbox(automatic, kind === "family" ? `${label}, as computed` : `${label}, ${automatic}`)
     : null;
@@ -136,7 +155,7 @@ function slider({ name, label, low = 0, high = 1, step = 1, automatic, automatic
     if (box && kind === "family") box.input.checked = false;
     paint(track);
   });
-  const isTyping = commit(exact, () => Number(exact.value), name, actions);
+  const isTyping = commit(exact, typed, name, actions);
   box?.input.addEventListener("change", () =>
     actions.set(name, box.input.checked ? automaticValue : Number(track.value)),
   );
@@ -175,7 +194,7 @@ function paint(track) {
   track.style.setProperty("--swc-to", `${100 * Math.min(1, Math.max(0, share))}%`);
 }
 
-/** @param {Description} d @param {Actions} actions @param {string} id @returns {Input} */
+/** @param {Description} d @param {Typing} actions @param {string} id @returns {Input} */
 function range({ name, label, low = 0, high = 1, automatic = "" }, actions, id) {
   const attributes = { type: "range", min: `${low}`, max: `${high}`, step: "1" };
   const least = element("input", { ...attributes, id, "aria-label": `${label}, least` });
@@ -222,12 +241,11 @@ function range({ name, label, low = 0, high = 1, automatic = "" }, actions, id) 
   };
 }
 
-/** @param {Description} d @param {Actions} actions @param {string} id @returns {Input} */
+/** @param {Description} d @param {Typing} actions @param {string} id @returns {Input} */
 function number({ name, low, high, step }, actions, id) {
-  const input = element("input", { type: "number", id, step: step === undefined ? "any" : `${step}` });
-  if (low !== undefined) input.min = String(low);
-  if (high !== undefined) input.max = String(high);
-  const isTyping = commit(input, () => Number(input.value), name, actions);
+  const typed = () => numberOf(input.value);
+  const input = createNumberInput({ step, low, high }, { id }, () => actions.set(name, typed()));
+  const isTyping = commit(input, typed, name, actions);
   return {
     element: element("div", { class: "swc-input" }, [input]),
     inputs: [input],
@@ -235,14 +253,10 @@ function number({ name, low, high, step }, actions, id) {
   };
 }
 
-/** @param {Description} d @param {Actions} actions @param {string} id @returns {Input} */
+/** @param {Description} d @param {Typing} actions @param {string} id @returns {Input} */
 function list({ name }, actions, id) {
   const input = element("input", { type: "text", id, inputmode: "decimal" });
-  const value = () =>
-    input.value
-      .split(/[,;\s]+/)
-      .filter(Boolean)
-      .map(Number);
+  const value = () => numbersOf(input.value);
   const isTyping = commit(input, value, name, actions);
   return {
     element: element("div", { class: "swc-input" }, [input]),
@@ -251,7 +265,7 @@ function list({ name }, actions, id) {
   };
 }
 
-/** @param {Description} d @param {Actions} actions @param {string} id @returns {Input} */
+/** @param {Description} d @param {Typing} actions @param {string} id @returns {Input} */
 function choice({ name, choices = [] }, actions, id) {
   const options = choices.map(([value, text]) => element("option", { value }, [text]));
   const input = element("select", { id }, options);
@@ -264,7 +278,7 @@ function choice({ name, choices = [] }, actions, id) {
   };
 }
 
-/** @param {Description} d @param {Actions} actions @param {string} id @returns {Input} */
+/** @param {Description} d @param {Typing} actions @param {string} id @returns {Input} */
 function check({ name }, actions, id) {
   const input = element("input", { type: "checkbox", id });
   input.addEventListener("change", () => actions.set(name, input.checked));
@@ -278,11 +292,23 @@ function check({ name }, actions, id) {
 }
 
 /**
- * What is typed counts when it is done, and comes back with Escape.
+ * Numbers one after another. Commas part them, unless something else does.
+ * @param {string} text
+ */
+export function numbersOf(text) {
+  const isParted = /;|\d\s+[-+−.,]?\d/.test(text);
+  return text
+    .split(isParted ? /;\s*|,?\s+/ : /[,\s]+/)
+    .filter(Boolean)
+    .map(numberOf);
+}
+
+/**
+ * What is typed counts when it is done, and comes back with Escape. What is no number stays to be mended.
  * @param {HTMLInputElement} input
- * @param {() => unknown} value
+ * @param {() => number | number[]} value
  * @param {string} name
- * @param {Actions} actions
+ * @param {Typing} actions
  * @returns {() => boolean}  whether somebody is typing: a result that comes meanwhile leaves the input alone
  */
 function commit(input, value, name, actions) {
@@ -291,15 +317,20 @@ function commit(input, value, name, actions) {
     isTyping = true;
   });
   input.addEventListener("change", () => {
-    isTyping = false;
+    const given = value();
+    const isNumber = !input.value.trim() || ![given].flat().some(Number.isNaN);
+    isTyping = !isNumber;
+    actions.refuse(isNumber ? "" : input.value.trim());
+    if (!isNumber) return;
     if (input.value.trim() === "") actions.leave(name);
-    else actions.set(name, value());
+    else actions.set(name, given);
   });
   const leave = () => {
     isTyping = false;
+    actions.refuse("");
     actions.leave(name);
   };
-  input.addEventListener("blur", () => isTyping && leave()); // the same as it was
+  input.addEventListener("blur", () => isTyping && ![value()].flat().some(Number.isNaN) && leave()); // the same as it was
   input.addEventListener("keydown", (event) => {
     event.stopPropagation();
     if (event.key === "Escape") leave();

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { createField } from "../../src/controls/fields.js";
+import { createField, numbersOf } from "../../src/controls/fields.js";
 import { fire, openPage } from "../page.js";
 
 openPage();
@@ -84,6 +84,33 @@ test("what is typed counts when it is done; a result that comes meanwhile leaves
   input.value = "";
   fire(input, "change");
   assert.deepEqual(done.at(-1), ["leave", "it"]);
+});
+
+test("a decimal comma is one, and what is no number is refused until it is mended", () => {
+  const { field, inputs, done, show } = fake({ kind: "number" });
+  const [input] = inputs;
+  const type = (/** @type {string} */ text) => {
+    input.value = text;
+    fire(input, "input");
+    fire(input, "change");
+  };
+  type("1,5");
+  assert.deepEqual(done, [["set", "it", 1.5]]);
+  type("abc");
+  show({ value: 4 });
+  assert.deepEqual([done.length, input.value], [1, "abc"]);
+  assert.match(field.element.textContent ?? "", /“abc” is no number/);
+  assert.equal(field.element.classList.contains("swc-wrong"), true);
+  fire(input, "keydown", { key: "Escape" });
+  assert.deepEqual([done.at(-1)?.[0], field.element.classList.contains("swc-wrong")], ["leave", false]);
+});
+
+test("commas part numbers, unless something else does", () => {
+  assert.deepEqual(numbersOf("1,2,3"), [1, 2, 3]);
+  assert.deepEqual(numbersOf("0.5, 1.5"), [0.5, 1.5]);
+  assert.deepEqual(numbersOf("0,5; 1,5"), [0.5, 1.5]);
+  assert.deepEqual(numbersOf("0,5 1,5"), [0.5, 1.5]);
+  assert.ok(Number.isNaN(numbersOf("1, x")[1]));
 });
 
 test("a list is numbers, however they are parted", () => {
