@@ -98,7 +98,7 @@ function start({ model, el }, again, kept) {
   listenToWheel(around);
   const connection = watchConnection(model, el, () => send({ kind: "state" }), signal);
   createSuggestionBar({ ...around, connection }, panel.dock); // hears keys before the keyboard does
-  const closing = [panel.closeHelp, hand.back, panel.closeSection, panel.closeHistory];
+  const closing = [panel.closeHelp, hand.back, panel.closeSection, panel.closePicture, panel.closeHistory];
   listenToKeys({ ...around, aim, strides, closing });
 
   // what is there to be shown ---------------------------------------------------------------------------

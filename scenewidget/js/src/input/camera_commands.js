@@ -15,6 +15,7 @@ export function createCameraCommands({ model, view, send, on, signal }) {
     zoom: (action) => view.apply({ x: view.size.width / 2, y: view.size.height / 2, ...action }),
     look: ({ from }) => view.lookFrom(from),
     walk: ({ way }) => strides.start(way),
+    draw: ({ take, ...size }) => view.drawAt(size, take),
     cut_ceiling: () => section(view.openedAbove),
     toggle({ what }) {
       if (what === "inside") view.goInside(!view.isInside);

@@ -7,7 +7,7 @@
  *   | { kind: "zoom", factor: number }
  *   | { kind: "look", from: "here" | "above" | "start" }
  *   | { kind: "walk", way: import("../scene/walk.js").Way }
- *   | { kind: "toggle", what: "outlines" | "back_faces" | "segment_list" | "section" | "ceiling" | "inside" | "help" | "history_shown" | "mode" }
+ *   | { kind: "toggle", what: "outlines" | "back_faces" | "segment_list" | "section" | "picture" | "ceiling" | "inside" | "help" | "history_shown" | "mode" }
  *   | { kind: "level" | "quick_name", index: number }
  *   | { kind: "part", what: PartAction }
  *   | { kind: "undo" | "redo" | "escape" | "choose" | "finish" | "show_all" | "save" }
@@ -51,6 +51,7 @@ const SHOW = [
   ["O", "outlines"],
   ["B", "back faces"],
   ["L", "list of segments; in it ↑ ↓ F H I N"],
+  ["P", "save the picture as a file"],
   ["?", "this help"],
 ];
 
@@ -143,6 +144,7 @@ const COMMANDS = {
   l: { kind: "toggle", what: "segment_list" },
   v: { kind: "toggle", what: "inside" },
   x: { kind: "toggle", what: "section" },
+  p: { kind: "toggle", what: "picture" },
   "?": { kind: "toggle", what: "help" },
   escape: { kind: "escape" },
 };

@@ -25,6 +25,7 @@
  * - choose_segment: what a click on its row in the list does
  * - answer: a button of a notice was pressed
  * - cancel: the computation
+ * - draw: the picture, at a size of its own, for `take` to copy; throws where that can't be
  * @typedef {import("./keys.js").Command
  *   | { kind: "zoom", factor: number, x: number, y: number }
  *   | { kind: "act", what: PartAction, face: number, place: Place | null }
@@ -35,6 +36,7 @@
  *   | { kind: "set", name: string, value: unknown }
  *   | { kind: "cut_ceiling" | "let_go" | "back" | "cancel" }
  *   | { kind: "go_to", n: number }
+ *   | { kind: "draw", width: number, height: number, scale: number, take: (canvas: HTMLCanvasElement) => void }
  *   | { kind: "choose_segment", segment: number }
  *   | { kind: "answer", notice: string, action: string }} Wish
  */

@@ -9,6 +9,7 @@ import { createHistory } from "./history.js";
 import { createLegend } from "./legend.js";
 import { createNameForm } from "./name_form.js";
 import { createPickedBar } from "./picked_bar.js";
+import { createPicturePanel } from "./picture_panel.js";
 import { createProgress } from "./progress.js";
 import { createRubberBand } from "./rubber_band.js";
 import { createSectionPanel } from "./section_panel.js";
@@ -58,6 +59,10 @@ export function createPanel(host, { send, on }) {
   const band = createRubberBand();
   const list = createSegmentList(send, leave);
   const section = createSectionPanel(send, leave);
+  const picture = createPicturePanel(send, leave, {
+    size: () => ({ width: canvas.clientWidth, height: canvas.clientHeight }),
+    theme: () => (root.dataset.theme === "dark" ? "dark" : "light"),
+  });
   const history = createHistory(send, leave);
   const twin = element("div", { class: "sw-twin", "aria-hidden": "true", hidden: "" });
   const cross = element("div", { class: "sw-aim", "aria-hidden": "true", hidden: "" });
@@ -68,7 +73,15 @@ export function createPanel(host, { send, on }) {
   const root = element("div", ATTRIBUTES, [
     element("div", { class: "sw-stage" }, [
       ...[canvas, twin, preview, band.element, cross, toolbar.element, legend.element, status.element],
-      ...[progress.track, history.element, section.element, dock, nameForm.element, help.element],
+      ...[
+        progress.track,
+        history.element,
+        section.element,
+        picture.element,
+        dock,
+        nameForm.element,
+        help.element,
+      ],
     ]),
     list.element,
   ]);
@@ -94,7 +107,13 @@ export function createPanel(host, { send, on }) {
   on({
     toggle({ what }) {
       if (what === "help") help.show(!help.isShown());
-      else if (what === "section") section.show(!section.isShown());
+      else if (what === "section") {
+        picture.show(false); // they take the same place
+        section.show(!section.isShown());
+      } else if (what === "picture") {
+        section.show(false);
+        picture.show(!picture.isShown());
+      }
     },
     tool_taken: ({ tool }) => toolbar.showTool(tool),
     remark: ({ text }) => status.remark(text),
@@ -118,7 +137,7 @@ export function createPanel(host, { send, on }) {
     dock,
     section,
 
-    /** Close the help, the section panel or the history; each says whether it was open. */
+    /** Close the help, a panel or the history; each says whether it was open. */
     closeHelp() {
       const isShown = help.isShown();
       if (isShown) help.show(false);
@@ -127,6 +146,11 @@ export function createPanel(host, { send, on }) {
     closeSection() {
       const isShown = section.isShown();
       if (isShown) section.show(false);
+      return isShown;
+    },
+    closePicture() {
+      const isShown = picture.isShown();
+      if (isShown) picture.show(false);
       return isShown;
     },
     closeHistory() {
@@ -158,6 +182,7 @@ export function createPanel(host, { send, on }) {
       progress.update(state);
       error.update(state);
       legend.show(state.legend);
+      picture.update(state);
       nameForm.offer(state.vocabulary, state.quickNames);
       history.update(state.editable && state.historyShown, state.history, state.nDone);
       autosave.update(state);

@@ -21,6 +21,7 @@ export function createToolbar(send, autosave) {
   const outlines = iconButton("outlines", "Outlines", "O");
   const backFaces = iconButton("backFaces", "Back faces", "B");
   const segmentList = iconButton("list", "List of segments", "L");
+  const picture = iconButton("picture", "Picture", "P");
   const help = element(
     "button",
     { class: "sw-button", type: "button", "aria-label": "Help", title: "Help (?)" },
@@ -65,7 +66,7 @@ export function createToolbar(send, autosave) {
     history,
     element("div", { class: "sw-group" }, [outlines, backFaces, section]),
     element("div", { class: "sw-group" }, [fit, above, inside, start]),
-    element("div", { class: "sw-group" }, [segmentList, help]),
+    element("div", { class: "sw-group" }, [segmentList, picture, help]),
   ]);
 
   fit.onclick = () => send({ kind: "look", from: "here" });
@@ -73,6 +74,7 @@ export function createToolbar(send, autosave) {
   start.onclick = () => send({ kind: "look", from: "start" });
   inside.onclick = () => send({ kind: "toggle", what: "inside" });
   help.onclick = () => send({ kind: "toggle", what: "help" });
+  picture.onclick = () => send({ kind: "toggle", what: "picture" });
   section.onclick = () => send({ kind: "toggle", what: "section" });
   outlines.onclick = () => set("outlines", !isPressed(outlines));
   backFaces.onclick = () => set("back_faces", !isPressed(backFaces));

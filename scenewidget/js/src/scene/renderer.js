@@ -80,7 +80,10 @@ export class SceneRenderer {
    * @throws {Error} if the browser has no WebGL2
    */
   constructor(canvas) {
-    const options = { alpha: true, antialias: false, depth: false, stencil: false, premultipliedAlpha: true };
+    const options = {
+      ...{ alpha: true, antialias: false, depth: false, stencil: false, premultipliedAlpha: true },
+      preserveDrawingBuffer: true, // or what prints and copies is empty
+    };
     const context = canvas.getContext("webgl2", { ...options, powerPreference: "high-performance" });
     if (!context) throw new Error("This browser offers no WebGL 2.");
     this.gl = context;
@@ -226,6 +229,12 @@ export class SceneRenderer {
       ratio,
     };
     this.three.setSize(this.size.width, this.size.height, false);
+  }
+
+  /** Pixels that a picture may have along a side. */
+  get mostPixels() {
+    const { gl } = this;
+    return Math.min(gl.getParameter(gl.MAX_RENDERBUFFER_SIZE), ...gl.getParameter(gl.MAX_VIEWPORT_DIMS));
   }
 
   /**

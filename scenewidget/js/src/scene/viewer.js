@@ -49,6 +49,7 @@ const SMOOTH_MS = 40; // a full drawing that takes longer is replaced by the coa
 const SWIFT_MS = 12; // one that takes less can be drawn twice as fine, which smooths its edges
 const COARSE_FACES = 120_000;
 const FRAME_FACES = 20_000; // that a segment is framed by
+const MOST_SMOOTH = 40e6; // pixels that are drawn twice as fine along each side
 const ORBIT_SPEED = 0.0075; // radians a pixel
 
 // what has to be done again; each implies those below it
@@ -254,6 +255,33 @@ export class Viewer {
       this.camera = this.first ?? this.start;
     }
     this.#draw();
+  }
+
+  /**
+   * Draw at a size of its own and without what lights up; the page shows what it did.
+   * @param {{ width: number, height: number, scale: number }} size  CSS pixels, and how many pixels each is
+   * @param {(canvas: HTMLCanvasElement) => void} take  has the picture until it returns
+   */
+  drawAt({ width, height, scale }, take) {
+    if (!this.mesh || !this.isPlaced || this.isLost) throw new Error("There is no picture yet.");
+    const longest = scale * Math.max(width, height);
+    const most = this.renderer.mostPixels;
+    if (longest > most) {
+      throw new RangeError(`A picture may have ${most} pixels along a side here, not ${longest}.`);
+    }
+    const isSmooth = 2 * longest <= most && 4 * scale ** 2 * width * height <= MOST_SMOOTH;
+    this.renderer.resize(width, height, scale);
+    const { backFaces } = this.look;
+    this.renderer.drawFaces(this.camera, { scale: isSmooth ? 2 : 1, isCoarse: false, backFaces });
+    const look = { ...this.#currentLook(), hovered: NONE, picked: NONE, target: NONE };
+    this.renderer.paint(look);
+    this.renderer.drawPicture(look);
+    try {
+      take(this.canvas);
+    } finally {
+      this.renderer.resize(this.size.width, this.size.height, Math.min(2, devicePixelRatio || 1));
+      this.#draw();
+    }
   }
 
   /** Whether one stands in the room. */
