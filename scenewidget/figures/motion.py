@@ -1,7 +1,8 @@
 """Eigenfunctions as vibrations: the surface swings along its normals, as a drum skin does.
 
-The browser swings it by itself, between the mesh at rest and a displaced copy; Python is asked only when
-the slider chooses another eigenfunction.
+A membrane swings with the frequency √λ, so each mode of an eigenbasis is given its own pace. The browser
+swings it by itself, between the mesh at rest and a displaced copy; Python is asked only when the slider
+chooses another eigenfunction.
 """
 
 from __future__ import annotations
@@ -14,18 +15,19 @@ import numpy as np
 import numpy.typing as npt
 
 from scenewidget.engine.mesh import FloatArray, Mesh
+from scenewidget.engine.operators import Eigenbasis
 from scenewidget.figures.drawing import Drawing, at_most, corner_normals, draw, nearest_vertices
 from scenewidget.figures.orbit import Figure, Panel
 
 __all__ = ["Vibration", "displaced", "vibration"]
 
-PERIOD = 2.4  # seconds that a swing to and fro takes
+PERIOD = 2.4  # seconds that a swing to and fro takes; in an eigenbasis, that of the lowest tone
 N_KEYS = 33  # the sine is given at so many times, and the browser goes straight from one to the next
 
 
 def vibration(
     mesh: Mesh,
-    eigenfunction: npt.ArrayLike,
+    eigenfunction: npt.ArrayLike | Eigenbasis,
     *,
     start: int = 0,
     amplitude: float | None = None,
@@ -44,8 +46,10 @@ def vibration(
     Parameters
     ----------
     mesh : Mesh
-    eigenfunction : (n_vertices,) or (n_vertices, k) float
-        With k columns, a slider chooses the column.
+    eigenfunction : Eigenbasis, or (n_vertices,) or (n_vertices, k) float
+        With k columns, a slider chooses the column. Those of an eigenbasis swing at the pace √λ, as a
+        membrane does (u″ = −Δu), the lowest tone once in 2.4 seconds; φ with λ = 0 stays where it is. Bare
+        arrays all swing at that pace.
     start : int
         Column that is shown first.
     amplitude : float, optional
@@ -67,12 +71,20 @@ def vibration(
     >>> type(swinging).__name__
     'Vibration'
     """
+    paces: FloatArray | None = None
+    if isinstance(eigenfunction, Eigenbasis):
+        if eigenfunction.is_per_component:
+            raise ValueError("eigenfunction must be a basis of the whole mesh, got one per component")
+        tones = np.sqrt(np.maximum(eigenfunction.values, 0.0))
+        paces = tones / min(tones[tones > 0], default=1.0)
+        eigenfunction = eigenfunction.vectors
     phi = np.asarray(eigenfunction, np.float64)
     if phi.ndim not in (1, 2) or len(phi) != mesh.n_vertices or phi.size == 0:
         raise ValueError(
             f"eigenfunction must have shape ({mesh.n_vertices},) or ({mesh.n_vertices}, k), got {phi.shape}"
         )
     phi = phi.reshape(mesh.n_vertices, -1)
+    paces = np.ones(phi.shape[1]) if paces is None else paces
     if not 0 <= start < phi.shape[1]:
         raise ValueError(f"start must lie in 0..{phi.shape[1] - 1}, the columns, got {start}")
     drawn, _ = at_most(mesh, max_faces)
@@ -81,7 +93,9 @@ def vibration(
         low, high = (end(drawn.vertices[drawn.faces], axis=(0, 1)) for end in (np.min, np.max))
         amplitude = float(np.linalg.norm(high - low)) / 12
     options = {"edges": edges, "back_faces": back_faces}
-    return Vibration(drawn, phi, start, amplitude, title, options, view=view, width=width, height=height)
+    return Vibration(
+        drawn, phi, paces, start, amplitude, title, options, view=view, width=width, height=height
+    )
 
 
 class Vibration(Figure):
@@ -99,13 +113,14 @@ class Vibration(Figure):
         self,
         mesh: Mesh,
         phi: FloatArray,
+        paces: FloatArray,
         column: int,
         amplitude: float,
         title: str,
         options: dict[str, Any],
         **size: Any,
     ) -> None:
-        self._mesh, self._phi, self._amplitude = mesh, phi, amplitude
+        self._mesh, self._phi, self._paces, self._amplitude = mesh, phi, paces, amplitude
         self._title, self._options = title, options
         super().__init__([self._drawing(column, 1.0)], **size)
         self._column = column
@@ -124,16 +139,18 @@ class Vibration(Figure):
         )
         clip = three.AnimationClip(tracks=[track], duration=PERIOD)
         action = three.AnimationAction(three.AnimationMixer(panel.object), clip, panel.object)
+        action.timeScale = float(self._paces[self._column])
         handles: list[Any] = [action]
         if self._phi.shape[1] > 1:
             slider = widgets.IntSlider(
                 self._column, 0, self._phi.shape[1] - 1, description="index i", continuous_update=True
             )
-            slider.observe(lambda change: self._choose(panel, change["new"]), "value")
+            slider.observe(lambda change: self._choose(panel, action, change["new"]), "value")
             handles.append(slider)
         return widgets.VBox([panel.widget, widgets.HBox(handles)])
 
-    def _choose(self, panel: Panel, column: int) -> None:
+    def _choose(self, panel: Panel, action: Any, column: int) -> None:
+        action.timeScale = float(self._paces[column])
         self.drawings = (self._drawing(column, 1.0),)
         panel.draw(self._drawing(column, 0.0), morph=self.drawings[0])
 

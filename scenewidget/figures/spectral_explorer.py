@@ -12,9 +12,10 @@ import ipywidgets as widgets
 import numpy as np
 import traitlets
 
+from scenewidget.datasets import analytic
 from scenewidget.engine.features import heat_kernel_signature, heat_kernel_times
-from scenewidget.engine.mesh import FloatArray, Mesh
-from scenewidget.engine.operators import Eigenbasis, LaplacianKind, eigenbasis
+from scenewidget.engine.mesh import FloatArray, Mesh, weld
+from scenewidget.engine.operators import Eigenbasis, LaplacianKind, eigenbasis, vertex_components
 from scenewidget.engine.readers import load_mesh
 from scenewidget.figures.drawing import Drawing, at_most, draw
 from scenewidget.figures.orbit import Figure
@@ -28,6 +29,9 @@ MODES = {  # label, and the sliders that it needs
     "signature": ("Heat kernel signature", ("time",)),
 }
 KINDS = ("cotangent", "uniform")
+SHOWN = (
+    0.99  # of the vertices have a colour between the ends of the scale; a few extremes would pale the rest
+)
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
@@ -81,10 +85,12 @@ class SpectralExplorer(widgets.VBox):
 
     Parameters
     ----------
-    mesh : Mesh, path, trimesh.Trimesh or (vertices, faces)
-        With more faces than ``max_faces`` it is simplified first; the explorer says so.
+    mesh : Mesh, path, trimesh.Trimesh or (vertices, faces), optional
+        An oval ring, closed and without symmetric twins among its eigenvalues, if not given. With more faces
+        than ``max_faces`` it is simplified first, and of several pieces only the one with the largest area
+        is taken, for eigenfunctions of the whole live on one piece each; the explorer says so.
     k : int
-        Number of eigenpairs; the constant one counts.
+        Number of eigenpairs, at least 2; the constant one counts.
     laplacian : "cotangent" or "uniform"
     max_faces : int
         10 000 answer within a tenth of a second.
@@ -93,12 +99,18 @@ class SpectralExplorer(widgets.VBox):
     width, height : int
         Pixels of the picture.
 
+    Raises
+    ------
+    ValueError
+        k is below 2: nothing would be left beside the constant eigenfunction.
+
     Attributes
     ----------
     mode : "eigenfunction", "low pass", "heat" or "signature"
         What is shown: φ_index; the shape rebuilt from the first ``n_functions`` eigenfunctions, coloured by
         how far it moved; heat spread from ``source`` after ``time``; heat left where it started.
     index, n_functions, source : int
+        ``index`` begins at 1: φ₀ is constant, with λ = 0, and no vibration.
     time : float
         Square metres (cotangent), steps (uniform).
     laplacian : str
@@ -128,8 +140,8 @@ class SpectralExplorer(widgets.VBox):
     mode = traitlets.Enum(tuple(MODES), "eigenfunction")
     """What is shown, see above."""
 
-    index = traitlets.Int(1, min=0)
-    """Which eigenfunction; 0 is the constant one."""
+    index = traitlets.Int(1, min=1)
+    """Which eigenfunction; from 1, for φ₀ is constant."""
 
     n_functions = traitlets.Int(20, min=1)
     """How many eigenfunctions the low-pass shape is made of."""
@@ -145,7 +157,7 @@ class SpectralExplorer(widgets.VBox):
 
     def __init__(
         self,
-        mesh: Mesh | Any,
+        mesh: Mesh | Any = None,
         *,
         k: int = 100,
         laplacian: LaplacianKind = "cotangent",
@@ -154,11 +166,20 @@ class SpectralExplorer(widgets.VBox):
         width: int = 640,
         height: int = 420,
     ) -> None:
-        given = load_mesh(mesh)
-        self.mesh, _ = at_most(given, max_faces)
-        self._note = ""
-        if self.mesh is not given:
-            self._note = f"simplified from {given.n_faces} to {self.mesh.n_faces} faces"
+        if not k >= 2:
+            raise ValueError(f"k must be at least 2, got {k}: the first eigenfunction is constant")
+        given = _oval_ring() if mesh is None else load_mesh(mesh)
+        self.mesh, n_pieces = _largest_piece(given)
+        notes = []
+        if n_pieces > 1:
+            notes.append(
+                f"the largest of {n_pieces} pieces, {self.mesh.n_faces / given.n_faces:.1%} of the faces"
+            )
+        n_faces = self.mesh.n_faces
+        if n_faces > max_faces:  # what simplification tears off is a crumb again
+            self.mesh, _ = _largest_piece(at_most(self.mesh, max_faces)[0])
+            notes.append(f"simplified from {n_faces} to {self.mesh.n_faces} faces")
+        self._note = "; ".join(notes)
         self._k = k
         self._bases: dict[str, Eigenbasis] = {}
         super().__init__(laplacian=laplacian)
@@ -221,11 +242,13 @@ class SpectralExplorer(widgets.VBox):
             "signature": (f"heat left where it started after t = {self.time:.3g}" + " m²" * meter, "HKS"),
         }[mode]
         values = self.values
+        low, high = np.quantile(values, [1 - SHOWN, SHOWN])
+        if mode in ("heat", "low pass"):
+            low = 0.0
         shape = Mesh(self.vertices, self.mesh.faces) if mode == "low pass" else self.mesh
         return draw(
             shape, values=values, title=title, scale_title=unit, max_faces=shape.n_faces,
-            low=None if mode in ("eigenfunction", "signature") else 0.0,
-            high=float(np.quantile(values, 0.995)) or None if mode == "heat" else None,
+            low=float(low) if high > low else None, high=float(high) if high > low else None,
             points=[self.source] if mode == "heat" else None,
             middle=self._middle, back_faces=True if mode == "low pass" else None,
         )  # fmt: skip
@@ -259,7 +282,7 @@ class SpectralExplorer(widgets.VBox):
         )
         self._kind = widgets.ToggleButtons(options=KINDS, style={"button_width": "90px"})
         self._sliders = {
-            "index": widgets.IntSlider(self.index, 0, last, description="Eigenfunction", **wide()),
+            "index": widgets.IntSlider(self.index, 1, last, description="Eigenfunction", **wide()),
             "n_functions": widgets.IntSlider(
                 self.n_functions, 1, last + 1, description="Basis functions", **wide()
             ),
@@ -310,3 +333,22 @@ class SpectralExplorer(widgets.VBox):
     def _show_sliders(self) -> None:
         for name, slider in self._sliders.items():
             slider.layout.display = "" if name in MODES[self.mode][1] else "none"
+
+
+def _oval_ring() -> Mesh:
+    """A torus with a long and a short side: closed, smooth, and with hardly any multiple eigenvalue."""
+    ring = analytic.torus(n_ring=96, n_tube=40)
+    return Mesh(ring.vertices * [1.0, 0.7, 1.0], ring.faces)
+
+
+def _largest_piece(mesh: Mesh) -> tuple[Mesh, int]:
+    """The connected part with the largest area, and how many parts there were.
+
+    Vertices at one place are one here: files of loose triangles would fall into dust.
+    """
+    if len(np.unique(vertex_components(mesh)[mesh.faces[:, 0]])) == 1:
+        return mesh, 1
+    welded = Mesh(mesh.vertices, weld(mesh)[mesh.faces], mesh.vertex_colors)
+    part = vertex_components(welded)[welded.faces[:, 0]]
+    areas = np.bincount(part, mesh.face_areas)
+    return analytic.part_of(welded, part == areas.argmax()), len(np.unique(part))

@@ -37,3 +37,18 @@ def test_the_browser_swings_between_rest_and_the_displaced_mesh():
     height = phi[:, 3] / np.abs(phi[:, 3]).max() * 0.2
     np.testing.assert_allclose((morph.array - rest)[:, 2], height[sheet.faces].ravel(), atol=1e-6)
     assert panel is not None
+
+
+def test_the_modes_of_a_basis_swing_at_the_root_of_their_eigenvalue():
+    sheet = grid_square(8)
+    basis = eigenbasis(sheet, 6)
+    _, handles = figures.vibration(sheet, basis, start=1).widget.children
+    action, slider = handles.children
+    assert action.timeScale == pytest.approx(1.0)
+    for i in (3, 5):
+        slider.value = i
+        assert action.timeScale == pytest.approx(np.sqrt(basis.values[i] / basis.values[1]))
+    slider.value = 0
+    assert action.timeScale == 0.0  # the constant function is no vibration
+    with pytest.raises(ValueError, match="of the whole mesh, got one per component"):
+        figures.vibration(sheet, eigenbasis(sheet, 4, per_component=True))

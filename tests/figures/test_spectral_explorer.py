@@ -93,7 +93,8 @@ def test_sliders_and_attributes_follow_each_other(explorer):
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("index", 30), ("n_functions", 31), ("source", 10**6), ("mode", "sound")]
+    ("name", "value"),
+    [("index", 30), ("index", 0), ("n_functions", 31), ("source", 10**6), ("mode", "sound")],
 )
 def test_what_is_out_of_range_is_refused_and_changes_nothing(explorer, name, value):
     before = getattr(explorer, name)
@@ -135,3 +136,41 @@ def test_it_displays_with_a_picture():
 
 def test_it_is_public():
     assert sw.SpectralExplorer is SpectralExplorer
+
+
+def test_without_a_mesh_it_starts_on_a_closed_shape_with_single_eigenvalues():
+    explorer = SpectralExplorer(k=12)
+    edges = np.sort(explorer.mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
+    assert explorer.mesh.n_faces <= 10_000
+    assert explorer.basis.values[1] > 0
+    assert (np.diff(explorer.basis.values) > 1e-3).all()
+
+
+def test_of_several_pieces_it_takes_the_largest_and_says_so():
+    large, crumb = icosphere(2), sw.Mesh([[5, 0, 0], [6, 0, 0], [5, 1, 0]], [[0, 1, 2]])
+    explorer = SpectralExplorer(joined(crumb, large), k=10)
+    assert explorer.mesh.n_faces == large.n_faces
+    assert "the largest of 2 pieces" in explorer._remark.value
+    assert explorer.index == 1
+    assert explorer.basis.values[1] == pytest.approx(2.0, rel=0.05)  # l = 1 on the unit sphere
+
+
+def test_loose_triangles_are_one_piece_where_they_touch():
+    ball = icosphere(1)
+    soup = sw.Mesh(ball.vertices[ball.faces].reshape(-1, 3), np.arange(3 * ball.n_faces).reshape(-1, 3))
+    explorer = SpectralExplorer(soup, k=5)
+    assert explorer.mesh.n_vertices == ball.n_vertices
+    assert explorer._note == ""
+
+
+def test_a_few_extremes_do_not_pale_the_rest(explorer, mesh):
+    for mode in ("eigenfunction", "signature"):
+        explorer.mode = mode
+        scale = explorer.figure.drawings[0].scale
+        assert [scale.low, scale.high] == pytest.approx(np.quantile(explorer.values, [0.01, 0.99]))
+
+
+def test_one_eigenpair_is_none():
+    with pytest.raises(ValueError, match="k must be at least 2, got 1: the first eigenfunction is constant"):
+        SpectralExplorer(box(1), k=1)
