@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from scenewidget.editing.formats.seal import SEAL
+
 __all__ = ["make_page"]
 
 COMPRESSION = 6  # level of gzip; higher ones take seconds more and save hardly a byte
@@ -24,6 +26,7 @@ PAGE = """\
 <html lang="en">
 <head>
 <meta charset="utf-8">
+<meta name="generator" content="scenewidget {seal}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{title}</title>
 <style>
@@ -97,6 +100,7 @@ def make_page(
     }
     saved = json.dumps({"state": dict(state), "arrays": packed}, separators=(",", ":"))
     return PAGE.format(
+        seal=SEAL,
         title=html.escape(title),
         style=style,
         saved=saved.replace("<", "\\u003c"),  # so that no name can end the script

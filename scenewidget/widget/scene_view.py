@@ -20,7 +20,8 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
-from scenewidget.editing.files import checked_path, replacing
+from scenewidget.editing.files import checked_path
+from scenewidget.editing.formats.seal import write_files
 from scenewidget.editing.snapshot import Snapshot
 from scenewidget.engine.atoms import Atoms, common_refinement
 from scenewidget.engine.family import Family
@@ -682,7 +683,7 @@ class SceneView(anywidget.AnyWidget):
         """Go back to the first view."""
         self.send({"kind": "look", "from": "start"})
 
-    def to_html(self, path: str | os.PathLike[str], *, title: str = "") -> Path:
+    def to_html(self, path: str | os.PathLike[str], *, title: str = "", overwrite: bool = False) -> Path:
         """Save what is shown as one file that a browser opens without Python and without a network.
 
         It opens at the last place of the camera. Turning, walking, pointing, colours, levels, the section and
@@ -692,9 +693,11 @@ class SceneView(anywidget.AnyWidget):
         Parameters
         ----------
         path : str or Path
-            Is overwritten; ``.html`` is the usual ending.
+            ``.html`` is the usual ending.
         title : str
             Of the page; what ``repr`` says by default.
+        overwrite : bool
+            A page that was written so is replaced; any other file only with True.
 
         Returns
         -------
@@ -702,6 +705,8 @@ class SceneView(anywidget.AnyWidget):
 
         Raises
         ------
+        FileExistsError
+            Another file is there.
         OSError
             It can't be written; the file that was there is untouched.
         """
@@ -723,8 +728,7 @@ class SceneView(anywidget.AnyWidget):
             style=bundled("scene_view.css"),
             title=title or repr(self),
         )
-        with replacing(path) as temporary:
-            temporary.write_text(page, encoding="utf-8")
+        write_files({path: [page.encode()]}, asked=path, overwrite=overwrite, inputs=[self.mesh.source])
         return path
 
     def _checked(self, name: str, labels: IntArray) -> IntArray:

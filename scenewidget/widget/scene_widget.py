@@ -305,7 +305,7 @@ class SceneWidget(widgets.VBox):
             self._end(f"Restored {n} step{'' if n == 1 else 's'} from {Path(path).name}")
         self._find_family()
 
-    def to_html(self, path: str | os.PathLike[str], *, title: str = "") -> Path:
+    def to_html(self, path: str | os.PathLike[str], *, title: str = "", overwrite: bool = False) -> Path:
         """Save the picture as one file that a browser opens without Python and without a network.
 
         Everything works in it but editing and computing; see `SceneView.to_html`.
@@ -315,8 +315,10 @@ class SceneWidget(widgets.VBox):
         path : path
         title : str
             Of the page.
+        overwrite : bool
+            A page that was written so is replaced; any other file only with True.
         """
-        return self.view.to_html(path, title=title or repr(self))
+        return self.view.to_html(path, title=title or repr(self), overwrite=overwrite)
 
     def cancel(self) -> None:
         """Stop the computation; the last good result stays."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import errno
-from pathlib import Path
 
 import numpy as np
 import pytest
 from sent import array
 from shapes import grid_square
 
+from scenewidget.editing import files
 from scenewidget.engine.atoms import common_refinement
 from scenewidget.engine.mesh import Mesh
 from scenewidget.widget import bundle
@@ -275,6 +275,15 @@ def test_a_height_is_a_number_of_pixels(height, error):
         SceneView(grid_square(2), height=height)
 
 
+def test_a_page_replaces_a_page_and_nothing_else(view, tmp_path):
+    path = view.to_html(tmp_path / "view.html")
+    assert view.to_html(path) == path
+    path.write_text(path.read_text() + "<!-- by hand -->")
+    with pytest.raises(FileExistsError, match="no export wrote it; choose another name, or replace it with"):
+        view.to_html(path)
+    assert view.to_html(path, overwrite=True) == path
+
+
 def test_a_page_that_can_not_be_written_says_why_and_leaves_the_old_one(view, tmp_path, monkeypatch):
     path = view.to_html(tmp_path / "view.html")
     old = path.read_bytes()
@@ -285,7 +294,7 @@ def test_a_page_that_can_not_be_written_says_why_and_leaves_the_old_one(view, tm
     with pytest.raises(FileNotFoundError, match="its folder does not exist; make it first"):
         view.to_html(tmp_path / "nowhere" / "view.html")
     full = OSError(errno.ENOSPC, "no space")
-    monkeypatch.setattr(Path, "write_text", lambda *_, **__: (_ for _ in ()).throw(full))
+    monkeypatch.setattr(files.os, "fsync", lambda _: (_ for _ in ()).throw(full))
     with pytest.raises(OSError, match=r"disk is full.*is untouched"):
         view.to_html(path)
     assert (path.read_bytes(), [entry.name for entry in tmp_path.iterdir()]) == (old, ["view.html"])
