@@ -56,7 +56,7 @@ class Merge:
 
     def __post_init__(self) -> None:
         faces: Any = self.faces
-        if np.ndim(faces) == 0:  # a single face
+        if not isinstance(faces, (list, tuple)) and np.ndim(faces) == 0:  # a single face
             faces = (faces,)
         if isinstance(faces, bytes) or not isinstance(faces, Iterable):
             raise TypeError(f"faces must be a face or a sequence of faces, got {self.faces!r:.200}")
@@ -237,7 +237,7 @@ def _face(name: str, value: Any) -> int:
 
 
 def _checked_faces(name: str, values: Iterable[Any]) -> Iterable[int]:
-    """Numbers of faces; a long stroke of plain ones is looked at as a whole, which takes a tenth of the time."""
+    """Numbers of faces; a long stroke of plain ones is looked at as a whole, in a tenth of the time."""
     plain = values.tolist() if isinstance(values, np.ndarray) and values.dtype.kind in "iu" else list(values)
     if {*map(type, plain)} == {int} and min(plain) >= 0 and max(plain) < 2**31:
         return plain

@@ -215,7 +215,8 @@ class Partition:
         target = self.segment_at(edit.onto_face)
         if target < 0:
             raise EditError(f"onto_face {edit.onto_face} is unlabeled: there is no segment to join")
-        atoms = [self._atom(face) for face in edit.faces]
+        self._atom(max(edit.faces))  # says so where there is no such face
+        atoms = self.atoms.face_atom[np.array(edit.faces)]
         column = self._column(edit.level)
         if (column[atoms] < 0).all():
             self.part(edit.faces[0], edit.level)  # says what is wrong
