@@ -13,16 +13,19 @@ from typing import Literal
 import numpy as np
 
 from scenewidget.engine.checks import warn_caller
+from scenewidget.engine.gravity import large_axes, up_direction
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import IntArray, Mesh
+from scenewidget.engine.sides import right_side_out
+from scenewidget.engine.units import METRE, likely_unit
 
-__all__ = ["Orientation", "facing", "oriented", "warn_of_mixed_winding"]
+__all__ = ["Orientation", "facing", "oriented", "up_direction", "warn_of_mixed_winding"]
 
 Orientation = Literal["auto", "as given", "turned"]
 
 CLEAR = 0.2  # `facing` says something from here on: it is 0.44 to 0.68 for rooms, −1 for a ball from outside.
 ROOM = 2.2  # What is smaller than this (metres) is an object, looked at from outside.
-FEWEST, MOST = 0.02, 300.0  # metres across; less or more is likely to be another unit
+PLANES = 0.3  # Of the area of what has walls and tops, at least this lies in its three largest directions.
 MIXED = 0.02  # More of the edges wound both ways are worth a warning; scans have up to 0.004.
 
 
@@ -62,14 +65,15 @@ def oriented(items: Items, orientation: Orientation = "auto") -> Items:
     ----------
     items : Items
     orientation : str
-        "auto" turns the normals of what is as large as a room and looks outwards: some programs export
-        rooms inside out. What looks outwards and is smaller is an object seen from outside. "as given"
-        turns nothing, "turned" all.
+        "auto" turns the normals where they point into what is thin rather than into what is wide (see
+        `sides.right_side_out`): some programs export rooms, closets or things inside out. Where no two
+        surfaces tell, what is as large as a room and looks outwards is turned. "as given" turns nothing,
+        "turned" all.
 
     Warns
     -----
     UserWarning
-        The mesh is so large or so small that its unit can hardly be the metre.
+        The mesh, unless a file's reader has asked already, fits another unit much better than the metre.
 
     Examples
     --------
@@ -84,27 +88,42 @@ def oriented(items: Items, orientation: Orientation = "auto") -> Items:
     """
     if not items.areas.sum() > 0:
         return items
-    extent = np.sort(np.ptp(items.mesh.bounds, axis=0))
-    if not FEWEST <= extent[2] <= MOST:
-        what = "millimetres or centimetres" if extent[2] > MOST else "another unit"
-        warn_caller(
-            f"the mesh is {extent[2]:.4g} across, and thresholds are in metres; if these are {what}, scale "
-            "it: Mesh(mesh.vertices * 0.001, mesh.faces, mesh.vertex_colors) for millimetres"
-        )
+    _warn_of_unit(items.mesh)
     towards = facing(items)
-    is_outward = towards < -CLEAR
-    is_room = extent[1] >= ROOM
-    turns = orientation == "turned" or (orientation == "auto" and is_outward and is_room)
-    if abs(towards) <= CLEAR:
+    mesh = items.mesh
+    evidence = right_side_out(mesh.face_centroids, mesh.face_normals, mesh.face_areas)
+    is_known = abs(evidence) > CLEAR / 2
+    is_outward = evidence < 0 if is_known else towards < -CLEAR
+    is_large = np.sort(np.ptp(mesh.bounds, axis=0))[1] >= ROOM
+    # what is smaller than a room and round is a thing seen from outside, however thick it is
+    is_wrong = is_outward and (is_large or (is_known and _is_of_planes(mesh)))
+    turns = orientation == "turned" or (orientation == "auto" and is_wrong)
+    if is_wrong:
+        kind = "room" if is_large or towards < 0 else "object"
+        found = f"{kind}, inside out" + (": its normals are turned" if turns else "")
+    elif abs(towards) <= CLEAR and not is_known:
         found = "open: its normals are taken as they are"
-    elif not is_outward:
+    elif towards > 0 and (is_large or not (is_known and is_outward)):
         found = "room, seen from inside"
-    elif is_room:
-        found = "room, inside out" + (": its normals are turned" if turns else "")
     else:
         found = "object, seen from outside"
     normals = -items.normals if turns else items.normals
     return dataclasses.replace(items, normals=normals, report={**items.report, "orientation": found})
+
+
+def _warn_of_unit(mesh: Mesh) -> None:
+    if mesh.source:
+        return
+    unit = likely_unit(mesh)
+    if unit is not METRE:
+        warn_caller(
+            f"thresholds are in metres, and the mesh, {np.ptp(mesh.bounds, axis=0).max():.4g} across, looks "
+            f'as if it were in {unit.name}; load_mesh(mesh, units="auto") scales it by {unit.factor:g}'
+        )
+
+
+def _is_of_planes(mesh: Mesh) -> bool:
+    return sum(axis.share for axis in large_axes(mesh)[:3]) > PLANES
 
 
 def warn_of_mixed_winding(mesh: Mesh, pairs: IntArray) -> None:

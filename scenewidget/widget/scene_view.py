@@ -32,7 +32,7 @@ from scenewidget.widget.bundle import bundled
 from scenewidget.widget.deprecation import keywords_after
 from scenewidget.widget.page import make_page
 from scenewidget.widget.segment_colors import SegmentColors
-from scenewidget.widget.upright import AXES, checked_up, detect_up
+from scenewidget.widget.upright import checked_up, up_vector
 from scenewidget.widget.wire import compact, geometry, header, unit_codes, unlabeled_as_most, unpacked
 
 __all__ = ["SceneView"]
@@ -114,7 +114,7 @@ class SceneView(anywidget.AnyWidget):
     up = traitlets.Any("auto")
     """Which way is up in the mesh: ``"auto"``, ``"x"``, ``"-y"`` … or a vector.
 
-    ``"auto"`` looks for the axis that floor and ceiling face, see `scenewidget.widget.upright.detect_up`, and
+    ``"auto"`` looks for the direction against gravity, see `scenewidget.engine.orientation.up_direction`, and
     takes z where the surface doesn't tell.
     """
 
@@ -292,7 +292,7 @@ class SceneView(anywidget.AnyWidget):
         super().__init__(
             _esm=bundled("scene_view.js"),
             _css=bundled("scene_view.css"),
-            _up=_up_vector(up, mesh),
+            _up=list(up_vector(up, mesh)),
             _token=secrets.token_hex(8),
             _headers={name: header(array) for name, array in arrays.items()},
             **{f"_{name}": array.tobytes() for name, array in arrays.items()},
@@ -320,7 +320,7 @@ class SceneView(anywidget.AnyWidget):
 
     @traitlets.observe("up")
     def _take_up(self, change: Any) -> None:
-        self._up = _up_vector(change["new"], self.mesh)
+        self._up = list(up_vector(change["new"], self.mesh))
 
     def __repr__(self) -> str:
         segments = f", {self.n_segments} segments" if self._colors.atoms is not None else ""
@@ -784,11 +784,6 @@ class SceneView(anywidget.AnyWidget):
     def _put(self, name: str, array: npt.NDArray[Any]) -> None:
         self._headers = {**self._headers, name: header(array)}
         setattr(self, f"_{name}", array.tobytes())
-
-
-def _up_vector(up: Any, mesh: Mesh) -> list[float]:
-    vector = np.array(AXES[detect_up(mesh) if up == "auto" else up] if isinstance(up, str) else up)
-    return [float(value) for value in vector / np.linalg.norm(vector)]
 
 
 def _own_names() -> list[str]:

@@ -9,11 +9,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from scenewidget.engine.mesh import Mesh
+from scenewidget.engine.orientation import up_direction
 
-__all__ = ["AXES", "checked_up", "detect_up"]
+__all__ = ["AXES", "checked_up", "up_vector"]
 
 AXES: dict[str, tuple[float, float, float]] = {
     "x": (1.0, 0.0, 0.0),
@@ -23,10 +22,9 @@ AXES: dict[str, tuple[float, float, float]] = {
     "-y": (0.0, -1.0, 0.0),
     "-z": (0.0, 0.0, -1.0),
 }
-ALIGNED = 0.94  # a face faces an axis if the cosine between them is at least this, that is within 20 degrees
-N_SAMPLED = 100_000  # of a larger mesh, about so many faces are looked at
-LEAST_SHARE = 0.1  # nothing is concluded if less of the area than this faces along the axis
-CLEARLY = 1.25  # another axis must be so much better than z, and so much more must face down than up
+
+
+ALIGNED = math.cos(math.radians(3.0))  # with an axis of the file: then that axis is meant
 
 
 def checked_up(up: Any) -> str | tuple[float, float, float]:
@@ -49,34 +47,19 @@ def checked_up(up: Any) -> str | tuple[float, float, float]:
     return x, y, z
 
 
-def detect_up(mesh: Mesh) -> str:
-    """Name of the axis that is up, by where the surface faces; "z" where that doesn't tell.
-
-    Floor and ceiling together are larger than a pair of opposite walls, and a room is wider than high: so
-    the axis is the one with most area facing along it (within 20 degrees) per metre of extent. Of its two
-    ends, up is where more area faces: table tops are scanned, their undersides aren't. Whatever isn't +z must
-    win clearly. A tilted scan, an object or a detail of a wall doesn't tell; then say it.
+def up_vector(up: Any, mesh: Mesh) -> tuple[float, float, float]:
+    """Unit vector of what `checked_up` gives; of "auto" what the surface tells, z where it doesn't.
 
     Examples
     --------
     >>> from scenewidget.datasets import analytic
-    >>> mesh = analytic.square(2)  # 8 triangles
-    >>> detect_up(mesh)
-    'z'
+    >>> up_vector("-y", analytic.square(2))
+    (0.0, -1.0, 0.0)
     """
-    some = slice(None, None, max(1, mesh.n_faces // N_SAMPLED))
-    a, b, c = np.moveaxis(mesh.vertices[mesh.faces[some]], 1, 0)
-    normals = np.cross(b - a, c - a)
-    areas = np.linalg.norm(normals, axis=1)
-    normals = np.divide(normals, areas[:, None], out=np.zeros_like(normals), where=areas[:, None] > 0)
-    faces_up = np.array([areas[normals[:, k] > ALIGNED].sum() for k in range(3)])
-    faces_down = np.array([areas[normals[:, k] < -ALIGNED].sum() for k in range(3)])
-    facing = faces_up + faces_down
-    low, high = np.percentile(a, [1, 99], axis=0)
-    score = facing / np.maximum(high - low, 1e-3 * max(float((high - low).max()), 1e-12))
-    axis = int(np.argmax(score))
-    if score[axis] <= CLEARLY * score[2] or facing[axis] < LEAST_SHARE * areas.sum():
-        axis = 2
-    slack = CLEARLY if axis == 2 else 1.0
-    is_down = facing[axis] >= LEAST_SHARE * areas.sum() and faces_down[axis] > slack * faces_up[axis]
-    return ("-" if is_down else "") + "xyz"[axis]
+    if up == "auto":
+        found = up_direction(mesh)
+        up = "z" if found is None else tuple(found.tolist())
+        up = next((axis for axis in AXES.values() if found is not None and found @ axis > ALIGNED), up)
+    x, y, z = AXES[up] if isinstance(up, str) else up
+    length = math.hypot(x, y, z)
+    return x / length, y / length, z / length

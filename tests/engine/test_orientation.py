@@ -44,6 +44,9 @@ def test_a_cube_has_the_value_of_the_integral():
         (room(), "room, seen from inside", False),
         (turned(room()), "room, inside out: its normals are turned", True),
         (shapes.box(4, size=(0.5, 0.5, 1.0)), "object, seen from outside", False),
+        (turned(shapes.box(4, size=(0.5, 0.5, 1.0))), "object, inside out: its normals are turned", True),
+        (shapes.box(9, size=(1.5, 1.8, 2.7)), "room, inside out: its normals are turned", True),
+        (turned(shapes.box(9, size=(1.5, 1.8, 2.7))), "room, seen from inside", False),
         (shapes.grid_square(4), "open: its normals are taken as they are", False),
     ],
 )
@@ -72,10 +75,12 @@ def test_a_room_inside_out_is_segmented_as_the_same_room():
     assert sw.metrics.rand_index_error(right.labels, as_given.labels) > 1e-4
 
 
-@pytest.mark.parametrize(("scale", "unit"), [(1000.0, "millimetres or centimetres"), (1e-3, "another unit")])
+@pytest.mark.parametrize(
+    ("scale", "unit"), [(1000.0, "millimetres; .* by 0.001"), (1e-3, "thousands of metres; .* by 1000")]
+)
 def test_another_unit_than_the_metre_is_noticed(scale, unit):
     mesh = room()
-    with pytest.warns(UserWarning, match=f"thresholds are in metres; if these are {unit}"):
+    with pytest.warns(UserWarning, match=f"looks as if it were in {unit}"):
         oriented(faces_as_items(Mesh(mesh.vertices * scale, mesh.faces)))
 
 

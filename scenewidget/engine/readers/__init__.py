@@ -11,7 +11,7 @@ import dataclasses
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -20,8 +20,10 @@ from scenewidget.engine.mesh import LARGEST, Mesh, MeshError
 from scenewidget.engine.readers import gltf, obj, off, ply, stl
 from scenewidget.engine.readers.colors import at_vertices
 from scenewidget.engine.readers.repair import checked_triangles, lost_precision, wound_alike
+from scenewidget.engine.readers.scale import in_metres
 from scenewidget.engine.readers.scan import Notes, Scan
 from scenewidget.engine.readers.sniff import MESHES, kind_of
+from scenewidget.engine.units import UnitName
 
 __all__ = ["load_mesh"]
 
@@ -35,7 +37,12 @@ _READERS: dict[str, Callable[[Path, Notes], Scan]] = {
 }
 
 
-def load_mesh(source: str | os.PathLike[str] | tuple[Any, Any] | Any, *, strict: bool = False) -> Mesh:
+def load_mesh(
+    source: str | os.PathLike[str] | tuple[Any, Any] | Any,
+    *,
+    strict: bool = False,
+    units: UnitName | None = None,
+) -> Mesh:
     """Read a mesh from a file, a trimesh or arrays.
 
     Parameters
@@ -49,6 +56,10 @@ def load_mesh(source: str | os.PathLike[str] | tuple[Any, Any] | Any, *, strict:
     strict : bool
         Refuse what would be repaired: faces with corners that don't exist or aren't finite, which are
         dropped otherwise, and faces that look to the other side than their neighbours, which are turned.
+    units : str, optional
+        "m", "cm", "mm", "in", "ft": what the numbers are; they are scaled to metres. "auto" takes the unit
+        that size, density and room heights fit best. By default they are left as they are, with a warning
+        where another unit fits much better than the metre.
 
     Returns
     -------
@@ -68,7 +79,7 @@ def load_mesh(source: str | os.PathLike[str] | tuple[Any, Any] | Any, *, strict:
     Warns
     -----
     UserWarning
-        Something was lost: dropped faces, missing textures, digits.
+        Something was lost: dropped faces, missing textures, digits. Or the unit is hardly the metre.
 
     Examples
     --------
@@ -76,8 +87,11 @@ def load_mesh(source: str | os.PathLike[str] | tuple[Any, Any] | Any, *, strict:
     >>> mesh.n_faces, mesh.report
     (1, ())
     """
+    if units is not None and units not in get_args(UnitName):
+        names = ", ".join(map(repr, get_args(UnitName)))
+        raise ValueError(f"units must be one of {names} or None, got {units!r:.60}")
     if isinstance(source, Mesh):
-        return source
+        return source if units is None else in_metres(source, units, Notes())
     notes = Notes()
     if isinstance(source, (str, os.PathLike)):
         mesh = _load_file(Path(source).expanduser(), notes, strict)
@@ -92,6 +106,8 @@ def load_mesh(source: str | os.PathLike[str] | tuple[Any, Any] | Any, *, strict:
             "mesh must be a path, a trimesh.Trimesh, a scenewidget.Mesh or (vertices, faces), "
             f"got {type(source).__name__}"
         )
+    if units is not None or isinstance(source, (str, os.PathLike)):
+        mesh = in_metres(mesh, units, notes)
     for line in notes.warned:
         warn_caller(f"{Path(mesh.source).name or 'mesh'}: {line}")
     return mesh

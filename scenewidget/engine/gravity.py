@@ -1,0 +1,202 @@
+"""Which way is up in a scan, and what its large planes say about its size.
+
+Goes in: a mesh. Come out: the directions that much of its surface faces, with the distance across, and
+the one against gravity where floors, ceilings and walls tell. Nothing depends on the axes of the file.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+from scenewidget.engine.sides import right_side_out
+
+__all__ = ["Axis", "large_axes", "up_direction"]
+
+N_SAMPLED = 30_000  # faces that are enough to tell
+N_DIRECTIONS = 1_000  # of the half sphere, some 5 degrees apart
+CONE = float(np.cos(np.radians(15.0)))  # what faces within this cone faces the axis
+APART = float(np.cos(np.radians(30.0)))  # two axes are at least so far apart
+ROUNDS = 3  # of smoothing: normals of raw scans are mostly noise
+FEW = 5_000  # faces of what is too coarse to be one
+ROOM_HEIGHT = (2.2, 3.6)  # metres from floor to ceiling
+OPPOSED = 0.25  # least share that the smaller of two opposite sides has of the larger
+LEAST = 0.05  # of the area, that faces along an axis
+ALONE = 0.55  # of the area, from which on a plane is what everything stands on
+CLEARLY = 1.2  # how much better than any other the axis must be
+INSIDE_OUT = 0.1  # evidence from which on normals point away from free space
+ASYMMETRY = 0.08  # from which on the two ends of an axis differ
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A direction that much of the surface faces, either way.
+
+    Attributes
+    ----------
+    direction : (3,) float64
+        Unit vector; of its two signs the one that looks more like up.
+    along, against : float
+        Share of the area that faces this way and the other.
+    extent : float
+        Distance from one end of the scan to the other along it, in the unit of the mesh, the last
+        hundredths left out.
+    rise : float
+        How much more there is of the surface that faces this way, and at how many more heights it lies, as
+        seats, tables and floors do, than of what faces the other way, as ceilings do; at most about 1.
+    """
+
+    direction: FloatArray
+    along: float
+    against: float
+    extent: float
+    rise: float
+
+    @property
+    def is_opposed(self) -> bool:
+        """Whether two sides face each other, as floor and ceiling or two walls do."""
+        return self.against >= OPPOSED * self.along and self.along >= OPPOSED * self.against
+
+    @property
+    def share(self) -> float:
+        """Share of the area that faces either way."""
+        return self.along + self.against
+
+
+def up_direction(mesh: Mesh) -> FloatArray | None:
+    """(3,) unit vector against gravity, or None where the surface doesn't tell.
+
+    Floor and ceiling together are larger than a pair of walls, and rooms are wider than high: the axis is the
+    one with most area facing along it per metre of its extent; where the extents are those of rooms, only the
+    axes on which opposite sides are 2.2 to 3.6 m apart are asked. What is mostly one plane with things on it
+    is a table or a floor. Of the two ends, up is where more area faces, at more heights. None where another
+    axis is nearly as likely, or the two ends are alike.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        In metres, normals pointing into free space.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import load_room
+    >>> up_direction(load_room()[0]).round(1) + 0.0
+    array([0., 0., 1.])
+    """
+    axes = [axis for axis in large_axes(mesh) if axis.share >= LEAST]
+    if not axes:
+        return None
+    if axes[0].along >= ALONE:  # one plane: of a table with things on it, or of a bare wall
+        stands_out = axes[0].along < 0.95 and axes[0].extent > 0.02 * float(np.ptp(mesh.bounds, axis=0).max())
+        return axes[0].direction if stands_out else None
+    if right_side_out(*_sample(mesh, 0)) < -INSIDE_OUT:
+        mesh = Mesh(mesh.vertices, mesh.faces[:, ::-1])
+        axes = [axis for axis in large_axes(mesh) if axis.share >= LEAST]
+    low, high = ROOM_HEIGHT
+    of_rooms = [axis for axis in axes if axis.is_opposed and low <= axis.extent <= high]
+    asked = of_rooms or axes
+    scores = [axis.share / axis.extent for axis in asked]
+    best = asked[int(np.argmax(scores))]
+    others = [(axis, score) for axis, score in zip(asked, scores) if axis is not best]
+    if any(score * CLEARLY > max(scores) for _, score in others):
+        return None
+    rivals = [axis for axis, score in others if score > 0.5 * max(scores) and axis.is_opposed]
+    if best.rise < ASYMMETRY or any(axis.rise > best.rise + 0.2 for axis in rivals):
+        return None
+    return best.direction
+
+
+def large_axes(mesh: Mesh) -> list[Axis]:
+    """The directions, up to six, that most of the surface faces, most first.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    """
+    centers, normals, areas = _sample(mesh)
+    if not areas.sum() > 0:
+        return []
+    areas = areas / areas.sum()
+    directions = _half_sphere(N_DIRECTIONS)
+    share = np.concatenate(
+        [
+            (areas[:, None] * (np.abs(normals @ part.T) > CONE)).sum(axis=0)
+            for part in np.array_split(directions, 10)
+        ]
+    )
+    found: list[FloatArray] = []
+    for start in np.argsort(-share, kind="stable"):
+        if len(found) == 6:
+            break
+        if all(abs(directions[start] @ axis) < APART for axis in found):
+            axis = _refined(directions[start], normals, areas)
+            if all(abs(axis @ other) < APART for other in found):
+                found.append(axis)
+    axes = [_measured(axis, centers, normals, areas) for axis in found]
+    return sorted(axes, key=lambda axis: -axis.share)
+
+
+def _sample(mesh: Mesh, rounds: int = ROUNDS) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Centroids, smoothed unit normals and areas of some of the faces."""
+    vectors = mesh.face_vectors
+    areas = mesh.face_areas
+    for _ in range(rounds if mesh.n_faces > FEW else 0):
+        at_vertices = np.stack([_spread(mesh, vectors[:, k]) for k in range(3)], axis=1)
+        a, b, c = (at_vertices[mesh.faces[:, k]] for k in range(3))
+        vectors = a + b + c
+        length = np.linalg.norm(vectors, axis=1)
+        vectors *= np.divide(areas, length, out=np.zeros_like(length), where=length > 0)[:, None]
+    solid = np.flatnonzero((areas > 0) & (np.abs(vectors).sum(axis=1) > 0))
+    if len(solid) > N_SAMPLED:
+        solid = np.random.default_rng(0).choice(solid, N_SAMPLED, replace=False)
+    normals = vectors[solid]
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return mesh.face_centroids[solid], normals, areas[solid]
+
+
+def _spread(mesh: Mesh, values: FloatArray) -> FloatArray:
+    return np.asarray(np.bincount(mesh.faces.ravel(), np.repeat(values, 3), mesh.n_vertices))
+
+
+def _half_sphere(n: int) -> FloatArray:
+    """(n, 3) unit vectors with z ≥ 0, evenly spread along a spiral."""
+    step = np.arange(n) + 0.5
+    z = 1.0 - step / n
+    angle = np.pi * (1.0 + np.sqrt(5.0)) * step
+    radius = np.sqrt(1.0 - z * z)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
+
+
+def _refined(axis: FloatArray, normals: FloatArray, areas: FloatArray) -> FloatArray:
+    """The axis of what faces along it, found by turns."""
+    for _ in range(5):
+        weights = areas * (np.abs(normals @ axis) > CONE)
+        axis = np.linalg.eigh((normals * weights[:, None]).T @ normals)[1][:, -1]
+    return axis
+
+
+def _measured(direction: FloatArray, centers: FloatArray, normals: FloatArray, areas: FloatArray) -> Axis:
+    height = centers @ direction
+    low, high = np.percentile(height, [1, 99])
+    extent = max(float(high - low), 1e-12)
+    facing = normals @ direction
+    is_along, is_against = facing > CONE, facing < -CONE
+    along, against = float(areas[is_along].sum()), float(areas[is_against].sum())
+    level: IntArray = np.clip(np.round(20 * (height - low) / extent), 0, 20).astype(np.int64)
+    levels = [_n_levels(level[side], areas[side]) for side in (is_along, is_against)]
+    rise = (along - against) / max(along + against, 1e-12)
+    alike = min(along, against) / max(along, against, 1e-12)  # of the heights of little area nothing follows
+    rise += alike * (levels[0] - levels[1]) / max(sum(levels), 1e-12)
+    if rise < 0:
+        return Axis(-direction, against, along, extent, -rise)
+    return Axis(direction, along, against, extent, rise)
+
+
+def _n_levels(level: IntArray, areas: FloatArray) -> float:
+    """Number of heights over which the area is spread: the exponential of its entropy."""
+    share: FloatArray = np.asarray(np.bincount(level, areas), dtype=np.float64)
+    share = share[share > 0]
+    share = share / max(float(areas.sum()), 1e-300)
+    return float(np.exp(-(share * np.log(share)).sum())) if len(share) else 0.0

@@ -1,0 +1,106 @@
+"""Up, the free side and the unit of rooms, closets, tables and cuts of them, in any direction."""
+
+import numpy as np
+import pytest
+import shapes
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from scenewidget import datasets
+from scenewidget.engine.gravity import large_axes
+from scenewidget.engine.mesh import Mesh
+from scenewidget.engine.orientation import up_direction
+from scenewidget.engine.sides import right_side_out
+from scenewidget.engine.units import likely_unit
+
+
+@pytest.fixture(scope="module")
+def rooms():
+    return [datasets.simulate_room(seed=seed, voxel=0.08)[0] for seed in range(5)]
+
+
+def flipped(mesh):
+    return Mesh(mesh.vertices, mesh.faces[:, ::-1])
+
+
+def block(size, bottom=(0.0, 0.0, 0.0), n=12):
+    """A closed box that stands on ``bottom``, seen from outside."""
+    mesh = shapes.box(n, size=size)
+    low = (mesh.bounds[0] + mesh.bounds[1]) / 2 - (0, 0, size[2] / 2)
+    return Mesh(mesh.vertices - low + np.array(bottom), mesh.faces)
+
+
+def together(*meshes):
+    joined = trimesh.util.concatenate([trimesh.Trimesh(m.vertices, m.faces, process=False) for m in meshes])
+    return Mesh(joined.vertices, joined.faces)
+
+
+def table():
+    """A top on four legs, seen from outside."""
+    legs = [block((0.05, 0.05, 0.7), (x, y, 0)) for x in (-0.7, 0.7) for y in (-0.3, 0.3)]
+    return together(block((1.6, 0.8, 0.04), (0, 0, 0.7), 24), *legs)
+
+
+def closet(size=(1.5, 1.8, 2.7)):
+    """The inside of a walk-in closet with two shelves."""
+    shelves = [block((1.2, 0.3, 0.03), (0, 0.7, z)) for z in (0.6, 1.4)]
+    return together(flipped(block(size)), *shelves)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_up_is_found_in_any_direction(rooms, seed):
+    turn = Rotation.random(random_state=seed).as_matrix()
+    for room in rooms:
+        found = up_direction(Mesh(room.vertices @ turn.T + [40, 50, 60], room.faces))
+        assert found @ turn @ [0, 0, 1] > np.cos(np.radians(3))
+
+
+def test_up_is_found_without_a_ceiling_and_inside_out(rooms):
+    for room in rooms[:3]:
+        is_ceiling = room.face_normals[:, 2] < -0.9
+        assert up_direction(Mesh(room.vertices, room.faces[~is_ceiling])) @ [0, 0, 1] > 0.99
+        assert up_direction(flipped(room)) @ [0, 0, 1] > 0.99
+
+
+def test_a_table_from_above_tells_and_a_bare_wall_does_not():
+    above = together(shapes.grid_square(30), block((0.2, 0.2, 0.15), (0.5, 0.5, 0.0), 6))
+    assert up_direction(above) @ [0, 0, 1] > 0.99
+    assert up_direction(shapes.grid_square(30)) is None
+    assert up_direction(shapes.icosphere(4)) is None
+    cube = flipped(block((3.0, 3.0, 3.0)))
+    assert up_direction(cube) is None
+
+
+@pytest.mark.parametrize(
+    "mesh", [closet(), closet((1.0, 1.1, 2.4)), table(), flipped(block((5.0, 4.0, 2.5)))]
+)
+def test_the_free_side_is_told_at_any_size(mesh):
+    evidence = right_side_out(mesh.face_centroids, mesh.face_normals, mesh.face_areas)
+    assert evidence > 0.3
+    assert right_side_out(mesh.face_centroids, -mesh.face_normals, mesh.face_areas) == -evidence
+
+
+def test_a_single_surface_does_not_tell_its_free_side():
+    square = shapes.grid_square(10)
+    assert right_side_out(square.face_centroids, square.face_normals, square.face_areas) == 0
+
+
+UNITS = {
+    "metres": 1.0, "millimetres": 1000.0, "centimetres": 100.0, "inches": 1 / 0.0254, "feet": 1 / 0.3048,
+    "hundreds of metres": 0.01, "thousands of metres": 0.001,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_the_unit_of_a_room_is_named_with_its_factor(rooms, name):
+    for room in rooms[:3]:
+        unit = likely_unit(Mesh(room.vertices * UNITS[name], room.faces))
+        assert unit.name == name
+        assert unit.factor * UNITS[name] == pytest.approx(1)
+
+
+def test_axes_measure_what_faces_them():
+    axes = large_axes(flipped(block((5.0, 4.0, 2.5), n=40)))[:3]
+    assert sorted(round(axis.extent, 1) for axis in axes) == [2.5, 4.0, 5.0]
+    assert all(axis.is_opposed for axis in axes)
+    assert sum(axis.share for axis in axes) == pytest.approx(1, abs=0.2)
