@@ -130,9 +130,9 @@ def reliability(
     Returns
     -------
     table : pandas.DataFrame
-        A row a bin that holds faces, index "bin". ``confidence``, the mean; ``right``, the share of pairs
-        rightly joined, of a face in the bin and another one of its segment; ``share`` of the faces. Faces
-        that either leaves unlabeled, or that are alone in their segment, don't count.
+        A row a bin that holds faces, index "bin". ``confidence``, the mean; ``right``, the share of faces
+        whose segment is mostly of their thing, and whose thing is mostly in their segment; ``share`` of the
+        faces. Faces that either leaves unlabeled don't count.
         The expected calibration error is ``(t.share * (t.confidence - t.right).abs()).sum()``.
 
     References
@@ -158,12 +158,11 @@ def reliability(
     _, actual = checked_truth(truth, segmentation.mesh)
     keep = (segmentation.labels >= 0) & (actual >= 0)
     label = segmentation.labels[keep]
-    size = np.bincount(label, minlength=segmentation.n_segments)[label]
-    cell = label.astype(np.int64) * (int(actual.max()) + 1) + actual[keep]
-    _, inverse, count = np.unique(cell, return_inverse=True, return_counts=True)
-    is_pair = size > 1
-    right = (count[inverse][is_pair] - 1) / (size[is_pair] - 1)
-    confidence = segmentation.confidence[keep][is_pair].astype(np.float64)
+    thing = actual[keep]
+    table = np.zeros((segmentation.n_segments, int(thing.max()) + 1))
+    np.add.at(table, (label, thing), 1)
+    right = (table.argmax(axis=1)[label] == thing) & (table.argmax(axis=0)[thing] == label)
+    confidence = segmentation.confidence[keep].astype(np.float64)
     place = np.clip((confidence * n_bins).astype(int), 0, n_bins - 1)
     faces = np.bincount(place, minlength=n_bins)
     rows = np.flatnonzero(faces)

@@ -21,7 +21,12 @@ def tetrahedron() -> Mesh:
 
 def grid_square(n: int, *, size: float = 1.0) -> Mesh:
     """[0, size]² at z = 0 in n × n cells of two triangles, normals up."""
-    x, y = np.meshgrid(np.linspace(0, size, n + 1), np.linspace(0, size, n + 1), indexing="ij")
+    return sheet(n, n, width=size, depth=size)
+
+
+def sheet(n: int, m: int, *, width: float = 1.0, depth: float = 1.0) -> Mesh:
+    """[0, width] × [0, depth] at z = 0 in n × m cells of two triangles, normals up; rows of cells in x."""
+    x, y = np.meshgrid(np.linspace(0, width, n + 1), np.linspace(0, depth, m + 1), indexing="ij")
     vertices = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
     i = np.arange(x.size).reshape(x.shape)
     a, b, c, d = (part.ravel() for part in (i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]))

@@ -81,19 +81,26 @@ class Split:
 
     At "dihedral" and "base" that is the part of the level, wherever its faces are now. At "final" it is
     what the segment under the face has from one automatic segment: a piece that was merged comes off again.
+    Where ``also`` names more faces, their parts go along, and of all of them only what is in the segment
+    under ``face`` moves.
 
     Examples
     --------
     >>> Split(3, "base")
-    Split(face=3, level='base')
+    Split(face=3, level='base', also=())
     """
 
     face: int
     level: Level = "final"
+    also: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "face", _face("face", self.face))
         _check_level(self.level)
+        also = tuple(_face("also", face) for face in self.also)
+        if len(also) >= MAX_FACES:
+            raise ValueError(f"also has {len(also)} entries; one split takes at most {MAX_FACES - 1}")
+        object.__setattr__(self, "also", also)
 
     @property
     def title(self) -> str:

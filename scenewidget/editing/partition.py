@@ -232,7 +232,12 @@ class Partition:
         return self._move(moves, target)
 
     def _split(self, edit: Split) -> Change:
-        moves = np.flatnonzero(self.part(edit.face, edit.level, action="split"))
+        inside = self.part(edit.face, edit.level, action="split")
+        if edit.also:
+            for face in edit.also:
+                inside |= self.part(face, edit.level, action="split")
+            inside &= self.segment == self.segment_at(edit.face)
+        moves = np.flatnonzero(inside)
         sources = np.unique(self.segment[moves])
         if (
             len(sources) == 1

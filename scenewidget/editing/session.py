@@ -30,7 +30,7 @@ from scenewidget.editing.project_binding import ProjectBinding, mesh_of_project
 from scenewidget.editing.project_reader import blame, read_project
 from scenewidget.editing.snapshot import Snapshot
 from scenewidget.editing.store import FileChangedError
-from scenewidget.editing.suggestions import Dismissal, Suggestion, suggest
+from scenewidget.editing.suggestions import Advisor, Dismissal, Suggestion
 from scenewidget.editing.vocabulary import NYU40, chosen_vocabulary
 from scenewidget.engine.atoms import Atoms
 from scenewidget.engine.checks import checked_whole
@@ -110,6 +110,7 @@ class Session:
         self._observers = Observers()
         self._revision = 0
         self._dismissed: list[Dismissal] = []
+        self._advisor: Advisor | None = None
         self._rows_shown: dict[int, int] = {}
 
     def __repr__(self) -> str:
@@ -270,6 +271,7 @@ class Session:
             self._history.start_from(_of_mesh(segmentation, self.mesh))
             self._params = params
             self._dismissed.clear()
+            self._advisor = None
             self._log(Operation(time.time(), "segmentation"), renew=True)
             event = self._event("segmentation", None)
             problems = tuple(step for step in self.history if step.problem)
@@ -424,7 +426,7 @@ class Session:
         with self._lock:
             if self._history.partition.automatic.keys is None:
                 return []
-            return suggest(self._history.partition, int(n), self._dismissed)
+            return self._advice().suggest(self._history.partition, int(n), self._dismissed)
 
     def dismiss(self, suggestion: Suggestion) -> None:
         """No longer make a ``suggestion``, in either direction.
@@ -440,7 +442,13 @@ class Session:
         if not isinstance(suggestion, Suggestion):
             raise TypeError(f"suggestion must be one of suggestions(), got {type(suggestion).__name__}")
         with self._lock:
-            self._dismissed.append(Dismissal.of(self._history.partition, suggestion))
+            partition, advisor = self._history.partition, self._advice()
+            self._dismissed.append(advisor.remember(partition, suggestion, self._dismissed))
+
+    def _advice(self) -> Advisor:
+        if self._advisor is None:
+            self._advisor = Advisor(self._history.partition.automatic)
+        return self._advisor
 
     def observe(self, callback: Callable[[Event], None]) -> Callable[[], None]:
         """Call ``callback(event)`` after every change; returns what ends that.

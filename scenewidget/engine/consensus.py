@@ -19,7 +19,6 @@ from scipy import sparse
 from scenewidget.engine.allocation import allocate
 from scenewidget.engine.atoms import by_first_appearance
 from scenewidget.engine.checks import warn_caller
-from scenewidget.engine.evidence import calibrated
 from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.monitor import SILENT, Monitor
@@ -31,8 +30,6 @@ __all__ = [
     "base_segments",
     "co_association",
     "component_trees",
-    "confidence",
-    "mean_agreement",
     "median_partition",
     "peac",
     "peac_by_component",
@@ -70,18 +67,6 @@ class CoAssociation(NamedTuple):
     C: FloatArray
     weights: FloatArray
     base: IntArray
-
-    def with_groups(self, groups: IntArray, areas: FloatArray, n_groups: int) -> FloatArray:
-        """(n_base, n_groups) sums over the items of a group of area times co-association with a base segment.
-
-        Parameters
-        ----------
-        groups : (n_items,) int
-            −1 for items in none.
-        areas : (n_items,) float64
-        n_groups : int
-        """
-        return np.asarray((self._member(groups, areas, n_groups).T @ self.C).T)
 
     def between(self, groups: IntArray, areas: FloatArray, n_groups: int) -> FloatArray:
         """(n_groups, n_groups) sums over pairs of items, one of each group: both areas times co-association.
@@ -234,83 +219,6 @@ def _count_both(table, out, first, last):  # type: ignore[no-untyped-def]
             for r in range(table.shape[1]):
                 both += table[i, r] >= 0 and table[j, r] >= 0
             out[i, j] = out[j, i] = both
-
-
-def mean_agreement(C: FloatArray, base: IntArray, segment: IntArray, weights: FloatArray) -> FloatArray:
-    """Weighted mean co-association of each piece with all pieces of its segment, itself included.
-
-    Parameters
-    ----------
-    C : (n_base, n_base) float64
-    base, segment : (n_pieces,) int
-        Base segment that each piece belongs to, and the segment, from 0.
-    weights : (n_pieces,) float64
-        Positive.
-
-    Returns
-    -------
-    agreement : (n_pieces,) float64
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from scenewidget.engine.consensus import mean_agreement
-    >>> C = np.array([[1.0, 0.5], [0.5, 1.0]])
-    >>> mean_agreement(C, np.array([0, 1]), np.array([0, 0]), np.array([3.0, 1.0])).tolist()
-    [0.875, 0.625]
-    """
-    order = np.argsort(segment, kind="stable")
-    start = np.concatenate([[0], np.cumsum(np.bincount(segment))])
-    out = np.empty(len(base))
-    out[order] = _mean_within(C, base[order], np.asarray(weights, dtype=np.float64)[order], start)
-    return out
-
-
-@numba.njit(cache=True, nogil=True)
-def _mean_within(C, base, weights, start):  # type: ignore[no-untyped-def]
-    out = np.empty(len(base))
-    for s in range(len(start) - 1):
-        for p in range(start[s], start[s + 1]):
-            row = C[base[p]]
-            total, mass = 0.0, 0.0
-            for q in range(start[s], start[s + 1]):
-                total += weights[q] * row[base[q]]
-                mass += weights[q]
-            out[p] = total / mass
-    return out
-
-
-def confidence(co: CoAssociation, labels: IntArray) -> FloatArray:
-    """Probability that an item and its segment are one thing, from how often the runs put them together.
-
-    Parameters
-    ----------
-    co : CoAssociation
-    labels : (n_items,) int
-        Segments, all items in one.
-
-    Returns
-    -------
-    confidence : (n_items,) float64
-        `evidence.calibrated` of the item's mean co-association with its segment, weighted by area.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from scenewidget.engine.consensus import co_association, confidence
-    >>> co = co_association(np.array([[0, 0, 0], [0, 0, 1], [0, 1, 1], [1, 1, 1]]))
-    >>> confidence(co, np.array([0, 0, 0, 1])).round(2).tolist()
-    [0.86, 0.88, 0.86, 0.89]
-    """
-    n, n_base = int(labels.max()) + 1, len(co.weights)
-    code, index, inverse = np.unique(
-        co.base.astype(np.int64) * n + labels, return_index=True, return_inverse=True
-    )
-    base, segment_of = co.base[index], labels[index]  # pieces: a base segment within a segment
-    count = np.bincount(co.base, minlength=n_base)
-    weight = co.weights[base] * np.bincount(inverse, minlength=len(code)) / count[base]
-    share = np.clip(mean_agreement(co.C, base, segment_of, np.maximum(weight, 1e-300)), 0.0, 1.0)
-    return calibrated(share[inverse])
 
 
 def component_trees(

@@ -16,12 +16,13 @@ import numpy as np
 
 from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.consensus import CoAssociation
-from scenewidget.engine.evidence import agreement_behind, calibrated
+from scenewidget.engine.doubt import doubts
 from scenewidget.engine.finish import connected_pieces
 from scenewidget.engine.items import Items
 from scenewidget.engine.linkage import cut_tree
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
-from scenewidget.engine.segmentation import Segmentation, order_by_area
+from scenewidget.engine.pieces import Pieces, make_pieces
+from scenewidget.engine.segmentation import Segmentation, confidence_of, order_by_area
 
 __all__ = ["Family", "fine_pieces", "make_family"]
 
@@ -57,9 +58,7 @@ class Family:
     piece: IntArray
     merges: IntArray
     similarity: FloatArray
-    _base: IntArray  # (n_items,) base segment
-    _agreement: FloatArray  # (n_base, most) float32, a piece's area times its mean co-association
-    _areas: FloatArray  # (most,) of the items of each piece
+    _pieces: Pieces  # of the finest cut
     _face_areas: FloatArray  # (most,) of the faces of each piece
     _items: Items
 
@@ -74,12 +73,12 @@ class Family:
     @property
     def most(self) -> int:
         """Segments of the finest cut."""
-        return len(self._areas)
+        return len(self._face_areas)
 
     @property
     def least(self) -> int:
         """Segments of the coarsest cut: what no run ever put together is not joined."""
-        return len(self._areas) - len(self.merges)
+        return self.most - len(self.merges)
 
     def groups(self, n_segments: int) -> IntArray:
         """(most,) int32 which piece stands for the segment of each piece, at so many segments.
@@ -105,9 +104,6 @@ class Family:
     def cut(self, n_segments: int) -> Segmentation:
         """The segmentation with exactly ``n_segments`` segments.
 
-        Behind its confidence is the agreement behind that of ``segmentation``, times how much better or worse
-        the runs agree with an item's segment here than there, at most 1.
-
         Raises
         ------
         TypeError
@@ -120,27 +116,20 @@ class Family:
             return run
         dense, _ = order_by_area(group, self._face_areas)
         item_labels = np.append(dense, -1)[self.piece]
-        before = self._mean_agreement(self.groups(run.n_segments))
-        ratio = self._mean_agreement(group) / np.maximum(before, 1e-12)
-        factor = self._items.to_faces(ratio.astype(np.float32), 0.0)
         labels = self._items.to_faces(item_labels, -1)
+        labels.flags.writeable = False
+        # pieces of the finest cut, each in its segment of this one
+        pieces = dataclasses.replace(self._pieces, labels=labels, segment=dense[self._pieces.segment])
+        doubt = doubts(pieces, run.keys, run.report.get("runs"), n_segments=n_segments)
         return dataclasses.replace(
             run,
             labels=labels,
-            confidence=calibrated(np.clip(agreement_behind(run.confidence) * factor, 0.0, 1.0)),
+            confidence=confidence_of(doubt),
+            doubt=doubt,
             names=(),
             item_labels=item_labels,
             timings={},
         )
-
-    def _mean_agreement(self, group: IntArray) -> FloatArray:
-        """(n_items,) mean co-association of an item with its segment."""
-        _, index = np.unique(group, return_inverse=True)
-        order = np.argsort(index, kind="stable")
-        starts = np.searchsorted(index[order], np.arange(int(index.max()) + 1))
-        total = np.add.reduceat(self._agreement[:, order], starts, axis=1)
-        total /= np.maximum(np.bincount(index, self._areas), 1e-300)
-        return np.asarray(total[self._base, index[self.piece]])
 
 
 def fine_pieces(items: Items, co: CoAssociation, tree: FloatArray) -> IntArray:
@@ -231,8 +220,6 @@ def make_family(
     kept, dense = np.unique(piece[keep], return_inverse=True)
     piece[keep] = dense
     bonds, home = bonds.take(kept), home[kept]
-    agreement = co.with_groups(piece, items.areas, len(kept)).astype(np.float32)
-    areas = bonds.area.copy()
     within = _agglomerate(bonds, lambda i, others: home[others] == home[i])
     among = _agglomerate(bonds, lambda i, others: bonds.touches[i, others] & (bonds.mean(i)[others] > 0))
     steps = [*within, *among]
@@ -241,9 +228,7 @@ def make_family(
         piece,
         np.array([step[:2] for step in steps], dtype=np.int32).reshape(-1, 2),
         np.array([step[2] for step in steps], dtype=np.float64),
-        co.base,
-        agreement,
-        areas,
+        make_pieces(segmentation.mesh, items.to_faces(piece, -1), items.to_faces(co.base, -1)),
         np.bincount(piece[keep], seen[keep], len(kept)).astype(np.float64),
         items,
     )

@@ -7,45 +7,19 @@ neighbour, and pieces of one thing joined (`furniture`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from scenewidget.engine.atoms import by_first_appearance
-from scenewidget.engine.consensus import CoAssociation, confidence
+from scenewidget.engine.consensus import CoAssociation
 from scenewidget.engine.furniture import join_furniture
 from scenewidget.engine.hull import join_planes
 from scenewidget.engine.items import Items
 from scenewidget.engine.memo import Recall, compute
-from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
+from scenewidget.engine.mesh import IntArray, connected_components
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.relief import separate_reliefs, separate_tints
 
-__all__ = ["Finished", "absorb_small", "connected_pieces", "finish", "tidied"]
-
-
-@dataclass(frozen=True, eq=False)
-class Finished:
-    """Segments of the items.
-
-    Attributes
-    ----------
-    labels : (n_items,) int32
-        Dense.
-    confidence : (n_items,) float64
-        Probability that an item and its segment are one thing, as the consensus left them.
-
-    Examples
-    --------
-    >>> import scenewidget as sw
-    >>> from scenewidget.datasets.analytic import square
-    >>> finished = sw.Pipeline(square(6, size=2.0)).get("finish")
-    >>> finished.labels.max().item(), finished.confidence.shape == finished.labels.shape
-    (0, True)
-    """
-
-    labels: IntArray
-    confidence: FloatArray
+__all__ = ["absorb_small", "connected_pieces", "finish", "tidied"]
 
 
 def finish(
@@ -61,8 +35,8 @@ def finish(
     n_threads: int = 2,
     recall: Recall = compute,
     monitor: Monitor | None = None,
-) -> Finished:
-    """Segments of the items from the consensus, and how far to trust them.
+) -> IntArray:
+    """(n_items,) int32 segments of the items, dense, from the consensus.
 
     Parameters
     ----------
@@ -105,7 +79,7 @@ def finish(
     )
     if furniture < 1:
         labels = join_furniture(items, labels, co, similarity=furniture)
-    return Finished(labels, confidence(co, pieces))
+    return labels
 
 
 def tidied(

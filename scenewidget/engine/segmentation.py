@@ -13,14 +13,16 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from scenewidget.engine.checks import warn_caller
+from scenewidget.engine.doubt import Doubt, doubts
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.moments import face_moments, mean_normals, moment_origin
+from scenewidget.engine.pieces import make_pieces
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Level", "Segmentation", "order_by_area", "segmentation_of_items"]
+__all__ = ["Level", "Segmentation", "confidence_of", "order_by_area", "segmentation_of_items"]
 
 Level = Literal["dihedral", "base", "final"]
 LEVELS: tuple[Level, ...] = ("dihedral", "base", "final")
@@ -38,8 +40,8 @@ class Segmentation:
         Segment of each face, 0 the largest by area, -1 unlabeled. Any integers are accepted and
         renumbered by `from_labels`; the constructor wants them dense already.
     confidence : (n_faces,) float32, optional
-        Probability that another face of its segment belongs to the same thing, from how well the ensemble
-        agrees (`engine.evidence.calibrated`); 1 where there was no ensemble, 0 where unlabeled.
+        Probability that the face is right: that its segment is mostly of its thing, and its thing mostly in
+        its segment (`engine.doubt`); 1 where nothing is known, 0 where unlabeled.
     levels : mapping of level to (n_faces,) int32
         Part ids of the recommendation levels "dihedral" and "base" (thesis 3.6); -1 unlabeled.
     names : sequence of str
@@ -56,7 +58,10 @@ class Segmentation:
         The simplified mesh, if its faces were the items.
     timings : mapping of stage to seconds
     report : mapping of str to anything
-        What the user should know: faces dropped and why, items reached, orientation, warnings.
+        What the user should know: faces dropped and why, items reached, orientation, warnings. "runs" says
+        how many columns of the keys are of which kind.
+    doubt : Doubt, optional
+        What may be wrong, if it has been found already; kept only as long as it is of these ``labels``.
 
     Examples
     --------
@@ -81,6 +86,7 @@ class Segmentation:
     simplified: Mesh | None = None
     timings: Mapping[str, float] = field(default_factory=dict)
     report: Mapping[str, Any] = field(default_factory=dict)
+    doubt: Doubt | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         n = self.mesh.n_faces
@@ -115,6 +121,18 @@ class Segmentation:
             ("report", MappingProxyType(dict(self.report))),
         ):
             object.__setattr__(self, key, value)
+        if self.doubt is not None and self.doubt.pieces.labels is not labels:  # of labels replaced since
+            object.__setattr__(self, "doubt", None)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For `pickle` and `copy.deepcopy`; what may be wrong is found again when it is asked for."""
+        plain = {"levels": dict(self.levels), "timings": dict(self.timings), "report": dict(self.report)}
+        return {**vars(self), **plain, "doubt": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():
+            object.__setattr__(self, name, value)
+        self.__post_init__()
 
     @classmethod
     def from_labels(
@@ -182,6 +200,83 @@ class Segmentation:
             )
         return self.levels[level]
 
+    def borders(self) -> pd.DataFrame:
+        """A row a pair of segments that touch: how likely they are one thing, the likeliest first.
+
+        Returns
+        -------
+        borders : pandas.DataFrame
+            ``first``, ``second``: the segments, the larger one first; ``length`` of their border in metres;
+            ``p_same``, the probability that they are one thing; ``agreement``, the share of the runs that put
+            the two together, NaN where no ensemble is known; ``offset``, how far the smaller lies from the
+            plane of the larger (root mean square, metres); ``convex``, the share of the border where the
+            surface bulges.
+
+        Notes
+        -----
+        Fragments of a scan that come as near to each other as a few centimetres touch. Where no ensemble is
+        known, as for imported labels, only the shape speaks.
+
+        Examples
+        --------
+        >>> import scenewidget as sw
+        >>> mesh, truth = sw.datasets.load_room()
+        >>> truth.borders().columns.tolist()[:4]
+        ['first', 'second', 'length', 'p_same']
+        """
+        import pandas as pd
+
+        doubt = self.find_doubt()
+        b = doubt.borders
+        known = 1.0 if self.keys is not None else np.nan
+        table = {
+            "first": b.first,
+            "second": b.second,
+            "length": b.length,
+            "p_same": doubt.same,
+            "agreement": known * 0.5 * (b.by_graph + b.by_medoids),
+            "offset": b.offset,
+            "convex": b.convex,
+        }
+        return pd.DataFrame(table).sort_values("p_same", ascending=False, kind="stable", ignore_index=True)
+
+    def cuts(self) -> pd.DataFrame:
+        """A row a segment: its likeliest cut in two, and how likely it is two things.
+
+        Returns
+        -------
+        cuts : pandas.DataFrame
+            ``segment``; ``p_two``, the probability that the two sides are two things; ``faces``, an array of
+            those of the smaller side. 0 and no faces where the runs offer no cut, or no ensemble is known.
+
+        Examples
+        --------
+        >>> import scenewidget as sw
+        >>> mesh, truth = sw.datasets.load_room()
+        >>> truth.cuts().columns.tolist()
+        ['segment', 'p_two', 'faces']
+        """
+        import pandas as pd
+
+        doubt = self.find_doubt()
+        order = np.argsort(doubt.pieces.face_piece, kind="stable")
+        ends = np.searchsorted(doubt.pieces.face_piece[order], np.arange(doubt.pieces.n + 1))
+        faces = [
+            np.sort(np.concatenate([order[:0], *(order[ends[p] : ends[p + 1]] for p in doubt.side(s))]))
+            for s in range(self.n_segments)
+        ]
+        return pd.DataFrame({"segment": np.arange(self.n_segments), "p_two": doubt.two, "faces": faces})
+
+    def find_doubt(self) -> Doubt:
+        """What may be wrong; found on first use where it wasn't given (half a second at a million faces)."""
+        if self.doubt is None:
+            base = np.minimum(self.labels, 0) if self.keys is None else self.levels["base"]
+            pieces = make_pieces(self.mesh, self.labels, base)
+            found = doubts(pieces, self.keys, self.report.get("runs"), n_segments=self.n_segments)
+            object.__setattr__(self, "doubt", found)
+        assert self.doubt is not None
+        return self.doubt
+
     def to_frame(self) -> pd.DataFrame:
         """A row a segment: name, faces, area (m²), centroid (m), normal, flatness, confidence.
 
@@ -216,11 +311,12 @@ def segmentation_of_items(
     mesh: Mesh,
     items: Items,
     labels: IntArray,
-    confidence: FloatArray,
     *,
     dihedral: IntArray,
     base: IntArray,
     keys: IntArray,
+    runs: Mapping[str, int],
+    adjacency: IntArray | None = None,
 ) -> Segmentation:
     """What was found of the items, on the faces of the mesh as loaded.
 
@@ -230,14 +326,18 @@ def segmentation_of_items(
         As loaded.
     items : Items
         Of this mesh.
-    labels, confidence : (n_items,)
-        Finished segments, and the probability of each.
+    labels : (n_items,) int
+        Finished segments.
     dihedral : (items.mesh.n_faces,) int32
         The level "dihedral", on the mesh that the items are made of.
     base : (n_items,) int32
         The level "base".
     keys : (n_items, n_runs) int32
         Cluster of each item in each run.
+    runs : mapping of str to int
+        How many of these are of which kind, in their order: "k-medoids", "graph".
+    adjacency : (n, 2) int32, optional
+        `face_adjacency` of the mesh, if it is at hand.
 
     Warns
     -----
@@ -266,22 +366,48 @@ def segmentation_of_items(
     rank = np.full(int(labels.max()) + 1, -1, dtype=np.int32)
     rank[kept] = np.arange(len(kept), dtype=np.int32)
     is_raw = items.mesh is mesh
+    face_base = items.to_faces(base, -1)
+    keys = keys[np.unique(base, return_index=True)[1]]
+    dense.flags.writeable = False
+    doubt = doubts(make_pieces(mesh, dense, face_base, adjacency), keys, runs, n_segments=len(kept))
     return Segmentation(
         mesh,
         dense,
-        items.to_faces(confidence, 0.0).astype(np.float32),
+        confidence_of(doubt),
         levels={
             # a face of the simplified mesh is an item, but one of the raw mesh is only a part of one
             "dihedral": dihedral if is_raw else items.to_faces(dihedral, -1),
-            "base": items.to_faces(base, -1),
+            "base": face_base,
         },
-        keys=keys[np.unique(base, return_index=True)[1]],
+        keys=keys,
         items=items,
         item_labels=rank[labels],
         face_map=items.face_map,
         simplified=None if is_raw else items.mesh,
-        report=items.report,
+        report={**items.report, "runs": dict(runs)},
+        doubt=doubt,
     )
+
+
+def confidence_of(doubt: Doubt) -> FloatArray:
+    """(n_faces,) float32 probability that each face is right, 0 where unlabeled.
+
+    Labeled faces of no base segment, of which the runs say nothing, get one half.
+
+    Parameters
+    ----------
+    doubt : Doubt
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.segmentation import confidence_of
+    >>> confidence_of(sw.segment(square(6, size=2.0)).find_doubt()).dtype
+    dtype('float32')
+    """
+    right = np.append(1.0 - doubt.wrong, 0.5)[doubt.pieces.face_piece]
+    return np.where(doubt.pieces.labels >= 0, right, 0.0).astype(np.float32)
 
 
 def order_by_area(labels: IntArray, areas: FloatArray) -> tuple[IntArray, IntArray]:

@@ -38,7 +38,7 @@ from scenewidget.engine.features import (
     heat_kernel_signature,
     wave_kernel_signature,
 )
-from scenewidget.engine.finish import Finished, finish, tidied
+from scenewidget.engine.finish import finish, tidied
 from scenewidget.engine.items import Items, simplified_items, superfacet_items
 from scenewidget.engine.kmedoids import Init, Ties
 from scenewidget.engine.linkage import average_linkage, cut_by_count, cut_tree
@@ -202,7 +202,8 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
     }
     step("finish", _finish, "items", "coassociation", "consensus", recalls="items",
          furniture=p.furniture_similarity, **tidy)
-    step("segmentation", _segmentation, "mesh", "items", "dihedral", "ensemble", "coassociation", "finish")
+    step("segmentation", _segmentation, "mesh", "adjacency", "items", "dihedral", "ensemble", "coassociation",
+         "finish", runs=(("k-medoids", p.n_runs), ("graph", p.n_graph_runs)))
     if p.granularity is not None:
         if p.consensus != "linkage":
             step("tree", _tree, "coassociation")
@@ -409,7 +410,8 @@ def _finish(
     recall: Recall,
     furniture: float,
     **tidy: Any,
-) -> Finished:
+) -> IntArray:
+    """(n_items,) segment of each item."""
     return finish(
         items,
         co,
@@ -424,16 +426,18 @@ def _finish(
 
 def _segmentation(
     mesh: Mesh,
+    adjacency: IntArray,
     items: Items,
     dihedral: IntArray,
     keys: IntArray,
     co: CoAssociation,
-    finished: Finished,
+    labels: IntArray,
     *,
     monitor: Monitor,
+    runs: tuple[tuple[str, int], ...],
 ) -> Segmentation:
     return segmentation_of_items(
-        mesh, items, finished.labels, finished.confidence, dihedral=dihedral, base=co.base, keys=keys
+        mesh, items, labels, dihedral=dihedral, base=co.base, keys=keys, runs=dict(runs), adjacency=adjacency
     )
 
 

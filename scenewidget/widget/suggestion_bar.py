@@ -8,11 +8,13 @@ from typing import Any
 
 from scenewidget.editing.edits import EditError
 from scenewidget.editing.session import Session
-from scenewidget.editing.suggestions import Suggestion
+from scenewidget.editing.suggestions import WORTH, Suggestion
 from scenewidget.widget.autosave import spoken
 from scenewidget.widget.scene_view import SceneView
 
 __all__ = ["SuggestionBar"]
+
+MOST = 100  # suggestions that are counted
 
 
 class SuggestionBar:
@@ -50,6 +52,7 @@ class SuggestionBar:
         self._current: Suggestion | None = None
         self._number = 0  # of the one that is shown; answers to another are passed over
         self._is_following = False
+        self._n_seen = 0  # answers since the last result
 
     def handle(self, message: dict[str, Any]) -> None:
         """Do what a person asks for: "next", "accept", "skip" or "close"."""
@@ -64,6 +67,7 @@ class SuggestionBar:
             return
         if what == "accept" and current is not None:
             self._is_following = True
+            self._n_seen += 1
             try:
                 session.do(current.edit)
             except EditError as error:
@@ -72,20 +76,31 @@ class SuggestionBar:
             finally:
                 self._is_following = False
         elif what == "skip" and current is not None:
+            self._n_seen += 1
             session.dismiss(current)
-        found = session.suggestions(1)
-        self._show(found[0] if found else None)
+        found = session.suggestions(MOST)
+        n_left = sum(suggestion.gain >= WORTH for suggestion in found)
+        self._show(found[0] if found else None, n_left)
         if not found:
             self._remark("Nothing more to suggest")
+        elif n_left == 0:
+            self._remark(f"Done: what is left would each lower the error by less than {WORTH:.1%}")
 
     def forget(self) -> None:
         """The segments have changed by other means: what is shown may not make sense any more."""
         if self._current is not None and not self._is_following:
             self._show(None)
 
-    def _show(self, suggestion: Suggestion | None) -> None:
+    def _show(self, suggestion: Suggestion | None, n_left: int = 0) -> None:
         with self._lock:
             self._current = suggestion
             self._number += 1
-            words = {} if suggestion is None else vars(suggestion)
+            words = {} if suggestion is None else _shown(suggestion, self._n_seen, n_left)
             self._view.set_trait("suggestion", {**words, "number": self._number})  # every answer is a change
+
+
+def _shown(suggestion: Suggestion, n_seen: int, n_left: int) -> dict[str, Any]:
+    """What the bar shows: the suggestion, and how far one has come."""
+    of = f"{n_seen} of {n_seen + n_left} doubtful places seen" if n_left else "the rest hardly matters"
+    fields = {name: value for name, value in vars(suggestion).items() if name != "faces"}
+    return {**fields, "face": suggestion.face, "progress": of}

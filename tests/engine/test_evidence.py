@@ -1,11 +1,10 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scenewidget.engine.evidence import agreement_behind, agreement_of_groups, calibrated, same_thing
+from scenewidget.engine.evidence import agreement_of_groups
 
 
 @st.composite
@@ -30,18 +29,3 @@ def test_mean_agreement_matches_its_definition(given_parts):
     between, with_groups = agreement_of_groups(keys, weights, part, group, n_groups, np.arange(n_parts))
     np.testing.assert_allclose(between, share.T @ together @ share / np.outer(mass, mass), atol=1e-6)
     np.testing.assert_allclose(with_groups, together @ share / mass, atol=1e-6)
-
-
-def test_the_probability_rises_from_almost_none_to_almost_sure():
-    p = same_thing(np.linspace(0, 1, 50))
-    assert (np.diff(p) > 0).all()
-    assert p[0] == pytest.approx(0.0, abs=0.02)
-    assert p[-1] == pytest.approx(1.0, abs=0.02)
-
-
-def test_confidence_rises_with_the_agreement_and_leads_back_to_it():
-    agreement = np.linspace(0, 1, 101)
-    confidence = calibrated(agreement)
-    assert (np.diff(confidence) > 0).all()
-    assert 0 <= confidence[0] < confidence[-1] <= 1
-    np.testing.assert_allclose(agreement_behind(confidence), agreement, atol=1e-12)

@@ -1,5 +1,7 @@
 """A family of segmentations: nested, exact in number, through the run, and average linkage at heart."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import shapes
@@ -73,10 +75,13 @@ def test_a_cut_is_a_segmentation_like_any_other(run):
         np.testing.assert_array_equal(cut.level(level), result.level(level))
 
 
-def test_coarser_segments_are_less_sure(run):
+def test_a_cut_knows_the_borders_that_its_labels_have(run):
     result, family = run
-    coarse = family.cut(family.least)
-    assert coarse.confidence.mean() < result.confidence.mean()
+    cut = family.cut(max(family.least, result.n_segments - 2))
+    known = cut.borders().sort_values(["first", "second"])
+    anew = dataclasses.replace(cut, doubt=None).borders().sort_values(["first", "second"])
+    for column in ("first", "second", "length", "agreement", "offset"):
+        np.testing.assert_allclose(known[column], anew[column], atol=1e-6)
 
 
 def test_numbers_outside_the_family_are_refused_with_its_range(run):

@@ -12,13 +12,15 @@ import { element, iconButton, textButton } from "./elements.js";
  */
 export function createSuggestionBar({ model, view, segments, root, connection, send, on, signal }, dock) {
   const text = element("span", { class: "sw-picked-text" });
+  const why = element("span", { class: "sw-picked-why" });
+  const progress = element("span", { class: "sw-picked-why", role: "status" });
   const accept = textButton("Accept", "Do this (Enter)");
   const skip = textButton("Skip", "Don't suggest this again (K)");
   const close = iconButton("close", "Stop suggesting", "Esc");
   const bar = element(
     "div",
     { class: "sw-picked sw-suggestion", role: "toolbar", "aria-label": "Suggestion", hidden: "" },
-    [text, accept, skip, close],
+    [text, why, accept, skip, close, progress],
   );
   dock.append(bar);
   let shown = /** @type {any} */ ({});
@@ -40,6 +42,8 @@ export function createSuggestionBar({ model, view, segments, root, connection, s
     bar.hidden = !isThere;
     root.dataset.suggestion = isThere ? shown.kind : "";
     text.textContent = shown.title ?? "";
+    why.textContent = shown.why ?? "";
+    progress.textContent = shown.progress ?? "";
     send({ kind: "suggested", edit: isThere ? { face: shown.face, onto: shown.onto_face } : null });
   }
 

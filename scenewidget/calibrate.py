@@ -1,0 +1,297 @@
+"""Fit the numbers behind borders, cuts and confidence anew, on simulated rooms whose truth is exact.
+
+    python -m scenewidget.calibrate [--rooms 28] [--first 100]
+
+Rooms of four kinds of scanners are segmented from coarse to fine. `engine.doubt.Models` is
+fitted to that by logistic regression, every weight kept to its limits, and printed as it stands in
+`engine.doubt.FITTED`. Real scans take no part: `tests/benchmarks/doubt.py` judges by them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import minimize
+
+from scenewidget.engine.doubt import FITTED, LIMITS, Doubt, Models, doubts
+from scenewidget.engine.mesh import FloatArray, IntArray
+from scenewidget.engine.params import Params
+from scenewidget.engine.pieces import Pieces, make_pieces
+from scenewidget.engine.pipeline import Pipeline
+
+__all__ = ["Example", "count_things", "fit", "fit_logistic", "simulated", "wrong_faces"]
+
+COARSE_TO_FINE = (0.35, 0.45, 0.6, 0.7, 0.8)  # similarities at which the consensus of a room is cut
+PULL = 1e-3  # towards weights of zero, in standard deviations
+
+
+@dataclass(frozen=True, eq=False)
+class Example:
+    """A segmentation and its truth.
+
+    Attributes
+    ----------
+    pieces : Pieces
+    keys : (n_base, n_runs) int
+    runs : dict of str to int
+        As of `doubts`.
+    things : (n_pieces, n_things) float64
+        Faces of each piece by the thing that they belong to.
+    is_usual : bool
+        Whether it is what the default makes of the scan; the others only say which segments are one thing.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.calibrate import Example, count_things
+    >>> mesh, truth = sw.datasets.load_room()
+    >>> pieces = truth.find_doubt().pieces
+    >>> Example(pieces, np.zeros((1, 3), int), {}, count_things(pieces, truth.labels)).is_usual
+    True
+    """
+
+    pieces: Pieces
+    keys: IntArray
+    runs: dict[str, int]
+    things: FloatArray
+    is_usual: bool = True
+
+
+def count_things(pieces: Pieces, truth: IntArray) -> FloatArray:
+    """(n_pieces, n_things) faces of each piece by thing; those with −1 aren't counted.
+
+    Parameters
+    ----------
+    pieces : Pieces
+    truth : (n_faces,) int
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.calibrate import count_things
+    >>> mesh, truth = sw.datasets.load_room()
+    >>> pieces = truth.find_doubt().pieces
+    >>> count_things(pieces, truth.labels).shape == (truth.n_segments, truth.n_segments)
+    True
+    """
+    keep = (pieces.face_piece >= 0) & (truth >= 0)
+    n_things = int(truth.max(initial=-1)) + 1
+    code = pieces.face_piece[keep].astype(np.int64) * n_things + truth[keep]
+    return np.bincount(code, minlength=pieces.n * n_things).reshape(pieces.n, n_things).astype(float)
+
+
+def wrong_faces(pieces: Pieces, things: FloatArray) -> tuple[Any, Any]:
+    """(n_pieces, n_things) whether faces of a thing in a piece are foreign to their segment, or its rest.
+
+    Foreign is what isn't of the thing that most of the segment is of; rest is what lies elsewhere than most
+    of its thing.
+
+    Parameters
+    ----------
+    pieces : Pieces
+    things : (n_pieces, n_things) float64
+        As of `count_things`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.calibrate import count_things, wrong_faces
+    >>> mesh, truth = sw.datasets.load_room()
+    >>> pieces = truth.find_doubt().pieces
+    >>> things = count_things(pieces, truth.labels)
+    >>> [float((wrong * things).sum()) for wrong in wrong_faces(pieces, things)]
+    [0.0, 0.0]
+    """
+    n = int(pieces.segment.max(initial=-1)) + 1
+    table = np.zeros((n, things.shape[1]))
+    np.add.at(table, pieces.segment, things)
+    mostly, home = table.argmax(axis=1), table.argmax(axis=0)
+    is_foreign = mostly[pieces.segment][:, None] != np.arange(things.shape[1])
+    is_rest = (home != pieces.segment[:, None]) & ~is_foreign
+    return is_foreign, is_rest
+
+
+def simulated(n_rooms: int, first: int = 100) -> Iterator[Example]:
+    """Examples of simulated rooms, from coarse to fine.
+
+    Parameters
+    ----------
+    n_rooms : int
+    first : int
+        Seed of the first room.
+
+    Examples
+    --------
+    >>> from scenewidget.calibrate import simulated
+    >>> list(simulated(0))
+    []
+    """
+    from scenewidget.datasets import SCANNERS, simulate_room
+
+    kinds = ("depth camera", "hasty", "lidar", "depth camera")
+    for i in range(n_rooms):
+        rng = np.random.default_rng(first + i)
+        options: dict[str, Any] = {
+            **SCANNERS[kinds[i % 4]],
+            "seed": first + i,
+            "n_objects": int(rng.integers(8, 22)),
+            "clutter": int(rng.integers(4, 24)),
+            "voxel": float(rng.uniform(0.022, 0.03)),
+        }
+        options["noise"] *= float(rng.uniform(0.7, 2.0))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # not every room has a place for all that is asked for
+            mesh, truth = simulate_room(**options)
+            pipe = Pipeline(mesh)
+            adjacency = pipe.get("adjacency")
+            for similarity in (None, *COARSE_TO_FINE):
+                params = (
+                    Params()
+                    if similarity is None
+                    else Params(n_segments="auto", linkage_similarity=similarity)
+                )
+                made = pipe.run(params)
+                assert made.keys is not None
+                pieces = make_pieces(mesh, made.labels, made.level("base"), adjacency)
+                things = count_things(pieces, truth.labels)
+                yield Example(pieces, made.keys, dict(made.report["runs"]), things, similarity is None)
+
+
+def fit(examples: list[Example]) -> Models:
+    """The models that say best what is wrong with some segmentations.
+
+    Parameters
+    ----------
+    examples : list of Example
+
+    Examples
+    --------
+    >>> from scenewidget.calibrate import fit, simulated
+    >>> models = fit(list(simulated(28)))  # doctest: +SKIP
+    """
+    found = [(e, doubts(e.pieces, e.keys, e.runs)) for e in examples]
+    same = fit_logistic(*_stacked([_borders(e, d) for e, d in found]), LIMITS["same"])
+    two = fit_logistic(*_stacked([_cuts(e, d) for e, d in found]), LIMITS["two"])
+    models = FITTED._replace(same=same, two=two)
+    usual = [(e, doubts(e.pieces, e.keys, e.runs, models=models)) for e in examples if e.is_usual]
+    rest = fit_logistic(*_stacked([_faces(e, d, "rest") for e, d in usual]), LIMITS["rest"])
+    foreign = fit_logistic(*_stacked([_faces(e, d, "foreign") for e, d in usual]), LIMITS["foreign"])
+    return models._replace(rest=rest, foreign=foreign)
+
+
+def fit_logistic(
+    measures: FloatArray, outcome: FloatArray, weights: FloatArray, limits: Sequence[tuple[float, float]]
+) -> tuple[float, ...]:
+    """Constant and weights of a logistic regression whose weights keep to limits.
+
+    Parameters
+    ----------
+    measures : (n, m) float64
+    outcome : (n,) float64
+        Between 0 and 1.
+    weights : (n,) float64
+        Of each row, not negative.
+    limits : sequence of (low, high)
+        Of each weight.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.calibrate import fit_logistic
+    >>> x = np.linspace(-3, 3, 50)[:, None]
+    >>> constant, weight = fit_logistic(x, (x[:, 0] > 0) * 1.0, np.ones(50), [(0.0, 1.0)])
+    >>> round(weight, 3)
+    1.0
+    """
+    mean, spread = measures.mean(axis=0), measures.std(axis=0) + 1e-9
+    standard, share = (measures - mean) / spread, weights / weights.sum()
+
+    def loss(b: FloatArray) -> tuple[float, FloatArray]:
+        score = standard @ b[1:] + b[0]
+        miss = share * (1.0 / (1.0 + np.exp(-score)) - outcome)
+        value = share @ (np.logaddexp(0.0, score) - outcome * score) + PULL * (b[1:] @ b[1:])
+        return float(value), np.concatenate([[miss.sum()], standard.T @ miss + 2 * PULL * b[1:]])
+
+    bounds = [(-np.inf, np.inf), *(tuple(np.multiply(limit, s)) for limit, s in zip(limits, spread))]
+    start = np.concatenate([[0.0], [np.clip(0.0, low, high) for low, high in bounds[1:]]])
+    found = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds).x
+    slopes = found[1:] / spread
+    return (float(found[0] - slopes @ mean), *(float(slope) for slope in slopes))
+
+
+Rows = tuple[FloatArray, FloatArray, FloatArray]  # measures, outcome, weight of each
+
+
+def _stacked(parts: list[Rows]) -> Rows:
+    measures, outcome, weights = (np.concatenate(column) for column in zip(*parts))
+    return measures, outcome, weights
+
+
+def _table(e: Example) -> FloatArray:
+    table = np.zeros((int(e.pieces.segment.max()) + 1, e.things.shape[1]))
+    np.add.at(table, e.pieces.segment, e.things)
+    return table
+
+
+def _borders(e: Example, d: Doubt) -> Rows:
+    """Whether segments that touch are mostly of one thing; each example counts alike."""
+    table, borders = _table(e), d.borders
+    is_known = table.sum(axis=1) > 0
+    keep = is_known[borders.first] & is_known[borders.second]
+    mostly = table.argmax(axis=1)
+    same = mostly[borders.first] == mostly[borders.second]
+    return _even(borders.measures[keep], same[keep])
+
+
+def _cuts(e: Example, d: Doubt) -> Rows:
+    """Whether the sides of a cut are mostly of two things; each segment counts alike."""
+    rows = [_even(np.empty((0, len(LIMITS["two"]))), np.empty(0))]
+    for cuts in d.cuts:
+        if cuts is None or not cuts.n:
+            continue
+        whole = e.things[cuts.order].sum(axis=0)
+        small = np.array([e.things[cuts.side(c)].sum(axis=0) for c in range(cuts.n)])
+        large = whole - small
+        keep = (small.sum(axis=1) > 0) & (large.sum(axis=1) > 0)
+        two = small.argmax(axis=1) != large.argmax(axis=1)
+        rows.append(_even(cuts.measures[keep], two[keep]))
+    return _stacked(rows)
+
+
+def _faces(e: Example, d: Doubt, kind: str) -> Rows:
+    """Whether faces are foreign, or of those that aren't, whether they are the rest of a thing elsewhere."""
+    is_foreign, is_rest = wrong_faces(e.pieces, e.things)
+    if kind == "foreign":
+        measures, outcome, weights = d.foreign_measures, is_foreign, e.things
+    else:
+        measures, outcome, weights = d.rest_measures[e.pieces.segment], is_rest, e.things * ~is_foreign
+    rows, columns = np.nonzero(weights)
+    weights = weights[rows, columns]
+    return measures[rows], outcome[rows, columns].astype(float), weights / max(float(weights.sum()), 1.0)
+
+
+def _even(measures: FloatArray, outcome: Any) -> Rows:
+    return measures, outcome.astype(float), np.full(len(measures), 1.0 / max(len(measures), 1))
+
+
+def main() -> None:
+    """Print the fitted numbers."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--rooms", type=int, default=28, help="how many rooms to simulate")
+    parser.add_argument("--first", type=int, default=100, help="seed of the first")
+    arguments = parser.parse_args()
+    examples = list(simulated(arguments.rooms, arguments.first))
+    for name, weights in fit(examples)._asdict().items():
+        print(f"{name}=({', '.join(f'{weight:.3f}' for weight in weights)}),")
+
+
+if __name__ == "__main__":
+    main()
