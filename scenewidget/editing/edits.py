@@ -173,6 +173,8 @@ def edit_to_dict(edit: Edit) -> dict[str, Any]:
     data: dict[str, Any] = {"kind": type(edit).__name__.lower()}
     for field in dataclasses.fields(edit):
         value = getattr(edit, field.name)
+        if value == ():  # said by nothing
+            continue
         data[field.name] = list(value) if isinstance(value, tuple) else value
     return data
 

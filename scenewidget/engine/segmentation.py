@@ -352,8 +352,8 @@ def segmentation_of_items(
     >>> from scenewidget.engine.segmentation import segmentation_of_items
     >>> mesh = square(2)
     >>> items = patch_items(mesh, np.arange(8) // 4)
-    >>> levels = {"dihedral": np.zeros(8, np.int32), "base": np.arange(2), "keys": np.array([[0], [1]])}
-    >>> segmentation_of_items(mesh, items, np.arange(2), np.ones(2), **levels)
+    >>> found = {"dihedral": np.zeros(8, np.int32), "base": np.arange(2), "keys": np.array([[0], [1]])}
+    >>> segmentation_of_items(mesh, items, np.arange(2), **found, runs={"graph": 1})
     Segmentation(8 faces, 2 segments, 100.0% labeled)
     """
     dense, kept = order_by_area(items.to_faces(labels, -1), mesh.face_areas)
