@@ -60,9 +60,9 @@ def finish(
     >>> from scenewidget.engine.items import patch_items
     >>> items = patch_items(square(4, size=2.0), np.arange(32) // 8)
     >>> co = co_association(np.array([[0, 0], [0, 0], [1, 1], [1, 1]]), items.areas)
-    >>> finish(items, co, np.array([0, 1])).labels.tolist()  # one floor
+    >>> finish(items, co, np.array([0, 1])).tolist()  # one floor
     [0, 0, 0, 0]
-    >>> finish(items, co, np.array([0, 1]), planes=False).labels.tolist()
+    >>> finish(items, co, np.array([0, 1]), planes=False).tolist()
     [0, 0, 1, 1]
     """
     pieces = connected_pieces(consensus[co.base], items.pairs)
