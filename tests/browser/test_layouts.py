@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from cells import LABELED
 
 SCALED = """transform => {
     document.body.style.transformOrigin = "0 0";
@@ -37,3 +38,47 @@ def test_the_wheel_leaves_what_it_is_on_in_its_place_at_any_scale(saved):
         saved.settle()
     saved.point(x, y)
     saved.wait("hovered", part)
+
+
+def test_in_a_row_of_widgets_a_view_takes_the_room_that_is_left(notebook):
+    book = notebook([LABELED + "import ipywidgets\nbox = ipywidgets.HBox([view])\nbox"])
+    book.run_all()
+    room = book.page.locator(".jp-OutputArea-output").bounding_box()["width"]
+    widths = "[box.children[0].layout.width]"
+
+    def width():
+        shown = book.view()
+        shown.settle()
+        return shown.root.bounding_box()["width"]
+
+    assert width() > 0.95 * room
+    book.execute("box.children = [view, ipywidgets.Button(description='beside')]")
+    assert 0.7 * room < width() < 0.95 * room
+    book.execute("box.children = [ipywidgets.VBox([view]), ipywidgets.VBox([SceneView(mesh)])]")
+    assert 0.4 * room < width() < 0.55 * room
+    book.execute("view.layout.width = '300px'; box.children = [view]")
+    book.wait_for(widths, ["300px"])
+    assert 280 < width() < 310
+    assert book.errors == []
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [
+        "ipywidgets.AppLayout(center=view, left_sidebar=ipywidgets.Button(), pane_widths=['100px', 1, 0])",
+        "ipywidgets.Tab([view])",
+        "ipywidgets.GridBox([view])",
+        "ipywidgets.VBox([view])",
+    ],
+)
+def test_in_other_layouts_it_fills_its_place(notebook, layout):
+    book = notebook([LABELED + f"import ipywidgets\n{layout}"])
+    book.run_all()
+    view = book.view()
+    view.settle()
+    room = book.page.locator(".jp-OutputArea-output").bounding_box()["width"]
+    assert view.root.bounding_box()["width"] > 0.75 * room
+    part, place = next((part, place) for part, place in view.parts().items() if part)
+    view.point(*place)
+    view.wait("hovered", part)
+    assert book.errors == []
