@@ -64,3 +64,23 @@ def test_nothing_looks_alive_within_seconds(notebook, end):
     assert editor.view.state("pending") == "0"
     if end is restart_while_busy:
         page.evaluate("() => window.restarted")  # only then can the server end it
+
+
+def test_a_page_stored_while_computing_is_at_rest_when_it_is_opened(notebook):
+    book = notebook([WIDGET])
+    book.run_all()
+    editor = Editor(book)
+    book.execute(COMPUTING)
+    editor.root.get_by_role("button", name="Cancel").wait_for()
+    book.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
+    book.page.wait_for_function("() => !window.jupyterapp.shell.currentWidget.context.model.dirty")
+    book.page.evaluate(f"() => {CONTEXT}.shutdown()")
+    book.page.reload()
+    again = book.view()
+    again.wait("live", "false")
+    assert again.state("busy") == "false"
+    for name in ("Cancel", "Undo", "Save", "Edit"):
+        assert not again.root.get_by_role("button", name=name, exact=True).is_visible(), name
+    again.root.get_by_text("The kernel is gone").wait_for()
+    assert int(again.state("segments")) == editor.n  # one can still look
+    book.page.goto("about:blank")  # a page that was loaded again opens its notebook once more
