@@ -213,7 +213,7 @@ class History:
         self._segmentation = None
         try:
             change = self.partition.apply(edit)
-        except EditError as error:
+        except ValueError as error:  # an EditError, or a level that this segmentation lacks
             self._done.append((Step(edit, when, problem=str(error)), None))
         else:
             self._done.append((Step(edit, when, n_faces=change.n_faces), change))

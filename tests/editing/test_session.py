@@ -257,3 +257,14 @@ def test_an_observer_may_raise_and_the_edit_stands(capsys):
     assert "in faulty" in said
     assert "ZeroDivisionError: mine" in said
     assert "callback(event)" not in said
+
+
+def test_an_edit_of_a_level_that_the_next_segmentation_lacks_waits_for_a_better_one():
+    session = box_session()
+    session.split(100, "base")
+    expected, automatic = session.segmentation, session.automatic
+    plain = Segmentation.from_labels(session.mesh, np.arange(192) // 48)
+    (step,) = session.resegment(plain)
+    assert "has no level 'base'" in step.problem
+    assert session.resegment(automatic) == ()
+    assert_same(session.segmentation, expected)
