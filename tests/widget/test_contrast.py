@@ -1,0 +1,49 @@
+"""Text of the front end stands out from what lies behind it, by the measure of WCAG 2.2 (4.5 : 1)."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+STYLE = Path(__file__).parents[2] / "scenewidget" / "js" / "src" / "panel" / "style.css"
+LEAST = 4.5
+
+
+def rules():
+    """Colours of both themes by name; the dark one only says what differs."""
+    text = STYLE.read_text(encoding="utf-8")
+    light, dark = (
+        dict(re.findall(r"--sw-(\w+): ([^;]+);", text.split(start, 1)[1].split("}", 1)[0]))
+        for start in ("\n.scenewidget {", '\n.scenewidget[data-theme="dark"] {')
+    )
+    return {"light": light, "dark": light | dark}
+
+
+def hexes(text):
+    return re.findall(r"#[0-9a-f]{6}\b", text)
+
+
+def luminance(color):
+    channels = [int(color[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+    return sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), linear))
+
+
+def contrast(a, b):
+    dark, light = sorted((luminance(a), luminance(b)))
+    return (light + 0.05) / (dark + 0.05)
+
+
+def test_the_measure_is_that_of_the_standard():
+    assert contrast("#000000", "#ffffff") == pytest.approx(21)
+    assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.01)
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("text", ["ink", "muted", "accent"])
+def test_text_stands_out_from_panels_and_from_the_empty_picture(theme, text):
+    colors = rules()[theme]
+    (color,) = hexes(colors[text])
+    behind = [*hexes(colors["solid"]), *hexes(colors["sky"])]
+    assert len(behind) >= 4
+    assert {b: round(contrast(color, b), 2) for b in behind if contrast(color, b) < LEAST} == {}
