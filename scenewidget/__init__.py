@@ -12,6 +12,8 @@ What is where; ``help(sw.segment)`` and so on tell the rest:
 
 ======================================  =================================================================
 ``load_mesh``, ``Mesh``, ``MeshError``  a scan from PLY, OBJ, GLB, STL, OFF or arrays
+``load_cloud``, ``PointCloud``          points from PCD, PLY, LAS, LAZ, E57, XYZ, PTS, CSV or an array
+``load``                                a mesh or a cloud, by what the file holds
 ``datasets``                            simulated scans with their truth, and readers of real ones
 ``segment``, ``Params``                 the method in one call, and everything that can be set about it
 ``Segmentation``                        its result: labels, confidence, levels, names, a table
@@ -38,11 +40,12 @@ if TYPE_CHECKING:
     from scenewidget import baselines, datasets, editing, engine, figures, metrics
     from scenewidget.editing.formats import export, import_labels
     from scenewidget.editing.session import Session
+    from scenewidget.engine.clouds import PointCloud
     from scenewidget.engine.mesh import Mesh, MeshError
     from scenewidget.engine.monitor import Cancelled
     from scenewidget.engine.params import Params
     from scenewidget.engine.pipeline import Pipeline, segment
-    from scenewidget.engine.readers import load_mesh
+    from scenewidget.engine.readers import load, load_cloud, load_mesh
     from scenewidget.engine.segmentation import Segmentation
     from scenewidget.evaluation import evaluate
     from scenewidget.figures.spectral_explorer import SpectralExplorer
@@ -54,6 +57,9 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "Mesh": "engine.mesh",
     "MeshError": "engine.mesh",
     "load_mesh": "engine.readers",
+    "load_cloud": "engine.readers",
+    "load": "engine.readers",
+    "PointCloud": "engine.clouds",
     "Segmentation": "engine.segmentation",
     "Session": "editing.session",
     "export": "editing.formats",
@@ -77,6 +83,7 @@ __all__ = [
     "MeshError",
     "Params",
     "Pipeline",
+    "PointCloud",
     "SceneView",
     "SceneWidget",
     "Segmentation",
@@ -91,6 +98,8 @@ __all__ = [
     "export",
     "figures",
     "import_labels",
+    "load",
+    "load_cloud",
     "load_mesh",
     "metrics",
     "segment",

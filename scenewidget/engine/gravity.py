@@ -92,8 +92,8 @@ def up_direction(mesh: Mesh) -> FloatArray | None:
         stands_out = axes[0].along < 0.95 and axes[0].extent > 0.02 * float(np.ptp(mesh.bounds, axis=0).max())
         return axes[0].direction if stands_out else None
     if right_side_out(*_sample(mesh, 0)) < -INSIDE_OUT:
-        mesh = Mesh(mesh.vertices, mesh.faces[:, ::-1])
-        axes = [axis for axis in large_axes(mesh) if axis.share >= LEAST]
+        centers, normals, areas = _sample(mesh)
+        axes = [axis for axis in _axes(centers, -normals, areas) if axis.share >= LEAST]
     low, high = ROOM_HEIGHT
     of_rooms = [axis for axis in axes if axis.is_opposed and low <= axis.extent <= high]
     asked = of_rooms or axes
@@ -115,7 +115,10 @@ def large_axes(mesh: Mesh) -> list[Axis]:
     ----------
     mesh : Mesh
     """
-    centers, normals, areas = _sample(mesh)
+    return _axes(*_sample(mesh))
+
+
+def _axes(centers: FloatArray, normals: FloatArray, areas: FloatArray) -> list[Axis]:
     if not areas.sum() > 0:
         return []
     areas = areas / areas.sum()
@@ -142,7 +145,7 @@ def _sample(mesh: Mesh, rounds: int = ROUNDS) -> tuple[FloatArray, FloatArray, F
     """Centroids, smoothed unit normals and areas of some of the faces."""
     vectors = mesh.face_vectors
     areas = mesh.face_areas
-    for _ in range(rounds if mesh.n_faces > FEW else 0):
+    for _ in range(rounds if mesh.n_faces > FEW and not mesh.is_cloud else 0):
         at_vertices = np.stack([_spread(mesh, vectors[:, k]) for k in range(3)], axis=1)
         a, b, c = (at_vertices[mesh.faces[:, k]] for k in range(3))
         vectors = a + b + c

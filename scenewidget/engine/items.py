@@ -450,6 +450,8 @@ def find_bridges(mesh: Mesh, pairs: IntArray, reach: float) -> IntArray:
     [[0, 3]]
     """
     border = np.flatnonzero(np.bincount(pairs.ravel(), minlength=mesh.n_faces) < 3)
+    if mesh.is_cloud:  # which has no borders: all but the largest piece looks for others
+        border = np.arange(mesh.n_faces)
     bridges: IntArray = np.empty((0, 2), dtype=np.int32)
     if len(border) == 0 or reach <= 0:
         return bridges

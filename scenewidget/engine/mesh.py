@@ -10,7 +10,7 @@ import importlib
 import warnings
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -152,6 +152,9 @@ class Mesh:
                 )
             object.__setattr__(self, "faces_of_file", _read_only(np.array(origin, dtype=np.int32)))
 
+    is_cloud: ClassVar[bool] = False
+    """Whether faces are points; see `engine.clouds.PointCloud`."""
+
     def __repr__(self) -> str:
         colors = "" if self.vertex_colors is None else ", coloured"
         return f"Mesh({self.n_vertices} vertices, {self.n_faces} faces{colors})"
@@ -165,6 +168,9 @@ class Mesh:
     def n_faces(self) -> int:
         """Number of triangles."""
         return len(self.faces)
+
+    def _adjacency(self) -> IntArray:
+        return _shared_edges(self)
 
     @cached_property
     def is_used(self) -> BoolArray:
@@ -260,6 +266,10 @@ def face_adjacency(mesh: Mesh) -> IntArray:
     >>> face_adjacency(square(1)).tolist()
     [[0, 1]]
     """
+    return mesh._adjacency()
+
+
+def _shared_edges(mesh: Mesh) -> IntArray:
     corners = weld(mesh)[mesh.faces]
     n = mesh.n_faces
     start, end = corners, np.roll(corners, -1, axis=1)

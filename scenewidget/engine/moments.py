@@ -88,7 +88,7 @@ def face_moments(mesh: Mesh) -> Moments:
     """Exact moments of each triangle, about the centre of the bounding box of the faces.
 
     The second moment of a triangle of area a with corners p, q, r and centroid c is
-    a (p pᵀ + q qᵀ + r rᵀ + 9 c cᵀ) / 12.
+    a (p pᵀ + q qᵀ + r rᵀ + 9 c cᵀ) / 12. A point of a cloud is a disc.
 
     Returns
     -------
@@ -103,6 +103,11 @@ def face_moments(mesh: Mesh) -> Moments:
     >>> face_moments(square(1)).area.tolist()
     [0.5, 0.5]
     """
+    if mesh.is_cloud:  # discs: a (p pᵀ + a (I − n nᵀ) / 4π)
+        place, area, normal = mesh.face_centroids - moment_origin(mesh), mesh.face_areas, mesh.face_normals
+        disc = (np.eye(3) - normal[:, :, None] * normal[:, None]) * (area / (4 * np.pi))[:, None, None]
+        second = area[:, None, None] * (place[:, :, None] * place[:, None] + disc)
+        return Moments(area, area[:, None] * place, second)
     corners = (mesh.vertices - moment_origin(mesh))[mesh.faces]
     center = corners.mean(axis=1)
     area = mesh.face_areas

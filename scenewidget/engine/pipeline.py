@@ -17,7 +17,7 @@ from scenewidget.engine.memo import Memo
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.monitor import Monitor, Progress
 from scenewidget.engine.params import Params
-from scenewidget.engine.readers import load_mesh
+from scenewidget.engine.readers import load
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.engine.stages import Stage, stages
 
@@ -91,7 +91,7 @@ class Pipeline:
     """
 
     def __init__(self, mesh: Mesh | Any, *, memory: float = 2e9) -> None:
-        self.mesh = load_mesh(mesh)
+        self.mesh = load(mesh)
         self._memo = Memo(memory)
 
     def __repr__(self) -> str:

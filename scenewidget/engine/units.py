@@ -65,6 +65,8 @@ def likely_unit(mesh: Mesh) -> Unit:
     >>> likely_unit(room).name, likely_unit(Mesh(room.vertices * 1000, room.faces)).name
     ('metres', 'millimetres')
     """
+    if mesh.is_cloud:  # has no edges; its reader judges the size alone
+        return METRE
     extent = np.sort(np.ptp(mesh.bounds, axis=0))[::-1]
     edge = _median_edge(mesh)
     if not (extent[0] > 0 and edge > 0):

@@ -16,16 +16,17 @@ from typing import Any, get_args
 import numpy as np
 
 from scenewidget.engine.checks import warn_caller
+from scenewidget.engine.clouds import PointCloud
 from scenewidget.engine.mesh import LARGEST, Mesh, MeshError
-from scenewidget.engine.readers import gltf, obj, off, ply, stl
+from scenewidget.engine.readers import e57, gltf, las, obj, off, pcd, ply, stl, table
 from scenewidget.engine.readers.colors import at_vertices
 from scenewidget.engine.readers.repair import checked_triangles, lost_precision, wound_alike
-from scenewidget.engine.readers.scale import in_metres
+from scenewidget.engine.readers.scale import in_metres, scale_of
 from scenewidget.engine.readers.scan import Notes, Scan
-from scenewidget.engine.readers.sniff import MESHES, kind_of
+from scenewidget.engine.readers.sniff import CLOUDS, MESHES, kind_of
 from scenewidget.engine.units import UnitName
 
-__all__ = ["load_mesh"]
+__all__ = ["load", "load_cloud", "load_mesh"]
 
 _READERS: dict[str, Callable[[Path, Notes], Scan]] = {
     "ply": ply.read,
@@ -34,6 +35,14 @@ _READERS: dict[str, Callable[[Path, Notes], Scan]] = {
     "gltf": gltf.read,
     "stl": stl.read,
     "off": off.read,
+}
+_CLOUD_READERS: dict[str, Callable[[Path, Notes], Scan]] = {
+    "ply": ply.read,
+    "pcd": pcd.read,
+    "las": las.read,
+    "laz": las.read,
+    "e57": e57.read,
+    **dict.fromkeys(("xyz", "pts", "asc", "txt", "csv"), table.read),
 }
 
 
@@ -113,11 +122,121 @@ def load_mesh(
     return mesh
 
 
+def load_cloud(
+    source: str | os.PathLike[str] | Any, *, strict: bool = False, units: UnitName | None = None
+) -> PointCloud:
+    """Read a point cloud from a file or an array.
+
+    Parameters
+    ----------
+    source : path, PointCloud, or (n_points, 3) array
+        Files: PCD (text, binary, compressed), PLY (of a mesh its vertices), XYZ, PTS, ASC, CSV; LAS and LAZ
+        by the extra ``las``, E57 by the extra ``e57``. They are known by their content before their suffix.
+    strict : bool
+        Refuse points that aren't finite; they are dropped otherwise, and ``faces_of_file`` says which point
+        of the file each one is.
+    units : str, optional
+        As of `load_mesh`.
+
+    Returns
+    -------
+    PointCloud
+
+    Raises
+    ------
+    FileNotFoundError, MeshError, TypeError
+        As `load_mesh`.
+
+    Examples
+    --------
+    >>> load_cloud([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    PointCloud(3 points)
+    """
+    if isinstance(source, PointCloud):
+        return source
+    notes = Notes()
+    if isinstance(source, (str, os.PathLike)):
+        path = Path(source).expanduser()
+        kind = kind_of(path, CLOUDS)
+        if kind not in _CLOUD_READERS:
+            raise MeshError(f"{path.name!r} is a mesh ({kind.upper()}): sw.load_mesh reads it")
+        scan = _guarded(path, kind, _CLOUD_READERS[kind], notes)
+        name, place = path.name, str(path.absolute())
+    elif isinstance(source, (str, bytes, dict)) or source is None or not hasattr(source, "__len__"):
+        raise TypeError(f"cloud must be a path or an (n_points, 3) array, got {type(source).__name__}")
+    else:
+        points = np.asarray(source)
+        if points.dtype.kind not in "iuf" or points.ndim != 2 or points.shape[1] != 3:
+            return PointCloud(points)
+        scan, name, place = Scan(points.astype(np.float64)), "cloud", ""
+    cloud = _cloud_of(scan, notes, strict, name, place, units)
+    for line in notes.warned:
+        warn_caller(f"{name}: {line}")
+    return cloud
+
+
+def load(
+    source: str | os.PathLike[str] | Any, *, strict: bool = False, units: UnitName | None = None
+) -> Mesh:
+    """Read a scan: a `Mesh` or, of a file without faces, a `PointCloud`.
+
+    Parameters
+    ----------
+    source : path, or what `load_mesh` takes
+    strict, units
+        As of `load_mesh`.
+
+    Examples
+    --------
+    >>> load(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+    Mesh(3 vertices, 1 faces)
+    """
+    if isinstance(source, (str, os.PathLike)):
+        path = Path(source).expanduser()
+        kind = kind_of(path, (*MESHES, *CLOUDS))
+        if kind not in _READERS or (kind == "ply" and not ply.has_faces(path)):
+            return load_cloud(path, strict=strict, units=units)
+    return load_mesh(source, strict=strict, units=units)
+
+
+def _cloud_of(
+    scan: Scan, notes: Notes, strict: bool, name: str, source: str, units: UnitName | None
+) -> PointCloud:
+    n = len(scan.vertices)
+    if n == 0:
+        raise MeshError(f"{name!r} holds no points")
+    is_good = np.isfinite(scan.vertices).all(axis=1) & (np.abs(scan.vertices) <= LARGEST).all(axis=1)
+    kept = None
+    if not is_good.all():
+        lost = n - int(is_good.sum())
+        if strict or lost == n:
+            raise MeshError(f"{name!r}: {lost} of {n} points are NaN, infinite or out of bounds")
+        notes.say(f"{lost} of {n} points were NaN or infinite and were left out")
+        kept = np.flatnonzero(is_good)
+    lost_precision(scan.vertices, notes)
+    chosen = slice(None) if kept is None else kept
+    viewpoint = scan.viewpoint
+    points = scan.vertices[chosen]
+    factor, line = scale_of(points, units)
+    if line:
+        notes.say(line, warn=units is None)
+    return PointCloud(
+        points * factor,
+        None if scan.normals is None else scan.normals[chosen],
+        None if scan.colors is None else scan.colors[chosen],
+        None if viewpoint is None else np.asarray(viewpoint) * factor,
+        source=source,
+        report=tuple(notes.lines),
+        faces_of_file=kept,
+        n_file_faces=n,
+    )
+
+
 def _load_file(path: Path, notes: Notes, strict: bool) -> Mesh:
     kind = kind_of(path, MESHES)
     if kind not in _READERS:
         raise MeshError(f"{path.name!r} is a point cloud ({kind.upper()}): sw.load_cloud reads it")
-    scan = _guarded(path, kind, notes)
+    scan = _guarded(path, kind, _READERS[kind], notes)
     if scan.n_polygons == 0:
         what = "points" if len(scan.vertices) else "nothing, or only curves"
         hint = "sw.load_cloud reads it as a point cloud" if len(scan.vertices) else "a surface mesh is needed"
@@ -126,11 +245,11 @@ def _load_file(path: Path, notes: Notes, strict: bool) -> Mesh:
     return _mesh_of(scan, notes, strict, repr(path.name), str(path.absolute()))
 
 
-def _guarded(path: Path, kind: str, notes: Notes) -> Scan:
+def _guarded(path: Path, kind: str, read: Callable[[Path, Notes], Scan], notes: Notes) -> Scan:
     """What the reader of a format makes of a file; all that it stumbles over is a `MeshError`."""
     try:
         with np.errstate(all="ignore"):
-            return _READERS[kind](path, notes)
+            return read(path, notes)
     except (MeshError, OSError):
         raise
     except MemoryError as error:

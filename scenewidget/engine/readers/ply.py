@@ -20,7 +20,7 @@ from scenewidget.engine.readers.colors import Texture, as_bytes, at_vertices, op
 from scenewidget.engine.readers.scan import Notes, Scan, check_promise
 from scenewidget.engine.readers.text import numbers
 
-__all__ = ["read"]
+__all__ = ["has_faces", "read"]
 
 TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
@@ -90,6 +90,13 @@ def read(path: Path, notes: Notes) -> Scan:
         if strips is not None:
             scan.corners = _strip_triangles(strips.values)
     return scan
+
+
+def has_faces(path: Path) -> bool:
+    """Whether the PLY at ``path`` promises any face or strip."""
+    with path.open("rb") as file:
+        _, elements, _, _ = _read_header(path, file.read(HEADER), path.stat().st_size)
+    return any(element.count and element.name in ("face", "tristrips") for element in elements)
 
 
 def _group(columns: dict[str, Any], names: tuple[tuple[str, ...], ...]) -> Any:
@@ -168,7 +175,7 @@ def _strip_triangles(strip: IntArray) -> IntArray:
 # --- the header -----------------------------------------------------------------------------------
 
 
-def _read_header(path: Path, data: bytes) -> tuple[str, list[_Element], list[str], int]:
+def _read_header(path: Path, data: bytes, size: int = 0) -> tuple[str, list[_Element], list[str], int]:
     """Byte order, elements, names of textures, and where the data begin."""
     end = re.compile(rb"^[ \t]*end_header[ \t]*(\r\n|\n|\r)", re.MULTILINE).search(data[:HEADER])
     if end is None and re.search(rb"\rend_header\r", data[:HEADER]):
@@ -180,7 +187,7 @@ def _read_header(path: Path, data: bytes) -> tuple[str, list[_Element], list[str
     order: str | None = None
     elements: list[_Element] = []
     textures: list[str] = []
-    room = len(data) - end.end()
+    room = max(len(data), size) - end.end()
     for line in re.split(r"\r\n|\n|\r", data[: end.start()].decode("utf-8", "replace")):
         words = line.split()
         if words[:1] == ["format"] and len(words) > 1:

@@ -1,0 +1,235 @@
+"""Point clouds as surfaces: each point is a small disc with a normal, an area and neighbours.
+
+Goes in: points. Comes out: a `PointCloud`, which is a `Mesh` whose faces are its points, so that everything
+behind it, from filtered normals to the consensus, works on it unchanged. That the method extends to clouds by
+tangent planes is said in the thesis (chapter 5); Hoppe et al. (1992), SIGGRAPH, make them consistent.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
+from scipy.spatial import cKDTree
+
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, MeshError, connected_components
+
+__all__ = ["PointCloud"]
+
+N_PLANE = 16  # neighbours that a tangent plane is fitted to
+N_NEAR = 6  # neighbours that a point is joined to
+N_AREA = 8  # neighbours whose disc tells the area of a point
+LARGEST_AREA = 0.995  # quantile at which areas are capped: lonely points would weigh too much
+REACH = 3.0  # median distances of the sixth neighbour, from which on points aren't neighbours
+BACK = -0.3  # cosine of normals below which neighbours are two sides of one thing
+STEP = 100_000  # points whose planes are fitted at once
+
+
+class PointCloud(Mesh):
+    """Points with normals and areas; arrays are copied, checked and made read-only.
+
+    A mesh whose face i is point i: labels, exports and edits name points where those of a mesh name faces.
+
+    Parameters
+    ----------
+    points : (n_points, 3) float
+        Positions in metres.
+    normals : (n_points, 3) float, optional
+        Pointing into free space. Without them the plane of the 16 nearest points tells, turned to the
+        ``viewpoint`` where there is one, else alike along the surface.
+    colors : (n_points, 3) uint8, optional
+        Red, green, blue; floats in 0–1 are turned into bytes.
+    viewpoint : (3,) or (n_points, 3) float, optional
+        Where the scanner stood.
+    source, report, faces_of_file, n_file_faces
+        As of a `Mesh`, with points for faces.
+
+    Raises
+    ------
+    MeshError
+        No points, NaN or infinite ones, or arrays that don't fit them.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x, y = np.meshgrid(np.arange(20) / 50, np.arange(20) / 50)
+    >>> cloud = PointCloud(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3), viewpoint=(0, 0, 2))
+    >>> cloud, cloud.face_normals[0].round(2) + 0.0
+    (PointCloud(400 points), array([0., 0., 1.]))
+    """
+
+    is_cloud = True
+
+    def __init__(
+        self,
+        points: Any,
+        normals: Any = None,
+        colors: Any = None,
+        viewpoint: Any = None,
+        *,
+        source: str = "",
+        report: tuple[str, ...] = (),
+        faces_of_file: Any = None,
+        n_file_faces: int = 0,
+    ) -> None:
+        places = np.asarray(points)
+        if places.dtype.kind not in "iuf":
+            raise TypeError(f"points must be an array of numbers, got dtype {places.dtype}")
+        if places.ndim != 2 or places.shape[1] != 3 or not len(places):
+            raise MeshError(f"points must have shape (n_points, 3) with at least one, got {places.shape}")
+        if not np.isfinite(places).all():
+            n = int((~np.isfinite(places).all(axis=1)).sum())
+            raise MeshError(
+                f"points has NaN or infinite positions in {n} rows; drop them: "
+                "points[np.isfinite(points).all(axis=1)]"
+            )
+        index = np.arange(len(places), dtype=np.int32)
+        faces = np.stack([index] * 3, axis=1)
+        super().__init__(places, faces, colors, source, faces_of_file, n_file_faces, report)
+        self._keep("given_normals", normals, np.float32)
+        self._keep("viewpoint", viewpoint, np.float64)
+
+    def _keep(self, name: str, value: Any, dtype: Any) -> None:
+        """Set a read-only array a point, or one for all where it is a position."""
+        if value is not None:
+            array = np.array(value, dtype=dtype)
+            wanted = [(self.n_faces, 3)] + ([(3,)] if name == "viewpoint" else [])
+            if array.shape not in wanted:
+                short = name.removeprefix("given_")
+                raise MeshError(f"{short} must have shape ({self.n_faces}, 3), got {array.shape}")
+            if name == "given_normals":
+                length = np.linalg.norm(array, axis=1, keepdims=True)
+                is_usable = np.isfinite(length) & (length > 0)
+                array = np.where(is_usable, array, 0) / np.where(is_usable, length, 1)
+            array.flags.writeable = False
+            value = array
+        object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        colors = "" if self.vertex_colors is None else ", coloured"
+        return f"PointCloud({self.n_faces} points{colors})"
+
+    @property
+    def points(self) -> FloatArray:
+        """(n_points, 3) float64 positions, metres."""
+        return self.vertices
+
+    @cached_property
+    def bounds(self) -> FloatArray:
+        """(2, 3) least and most of the coordinates, metres."""
+        return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
+
+    @cached_property
+    def _near(self) -> tuple[IntArray, FloatArray]:
+        """Nearest other points, (n_points, up to 16) int32 and float32, nearest first."""
+        k = min(N_PLANE, self.n_faces - 1)
+        if k == 0:
+            return np.empty((1, 0), np.int32), np.empty((1, 0), np.float32)
+        tree = cKDTree(self.points)
+        index = np.empty((self.n_faces, k), np.int32)
+        distance = np.empty((self.n_faces, k), np.float32)
+        for start in range(0, self.n_faces, STEP):
+            apart, found = tree.query(self.points[start : start + STEP], k=k + 1, workers=-1)
+            index[start : start + STEP], distance[start : start + STEP] = found[:, 1:], apart[:, 1:]
+        return index, distance
+
+    @cached_property
+    def spacing(self) -> float:
+        """Median distance to the sixth neighbour, metres."""
+        distance = self._near[1]
+        return float(np.median(distance[:, min(N_NEAR, distance.shape[1]) - 1])) if distance.size else 0.0
+
+    @cached_property
+    def face_areas(self) -> FloatArray:
+        """(n_points,) square metres: an eighth of the disc that reaches to the eighth neighbour."""
+        distance = self._near[1]
+        if not distance.size:
+            return np.zeros(self.n_faces)
+        k = min(N_AREA, distance.shape[1])
+        areas = np.pi / k * distance[:, k - 1].astype(np.float64) ** 2
+        return np.asarray(np.minimum(areas, np.quantile(areas, LARGEST_AREA)))
+
+    @cached_property
+    def face_normals(self) -> FloatArray:
+        """(n_points, 3) unit normals, zero where a point has too few neighbours."""
+        given = self.given_normals  # type: ignore[attr-defined]  # set by _keep
+        if given is not None:
+            return np.asarray(given, dtype=np.float64)
+        normals = self._planes()
+        viewpoint = self.viewpoint  # type: ignore[attr-defined]  # as above
+        if viewpoint is not None:
+            away = np.einsum("ij,ij->i", normals, self.points - viewpoint) > 0
+            return np.where(away[:, None], -normals, normals)
+        return self._consistent(normals)
+
+    @cached_property
+    def face_vectors(self) -> FloatArray:
+        """(n_points, 3) normals, as long as twice the area."""
+        return np.asarray(2.0 * self.face_areas[:, None] * self.face_normals)
+
+    @cached_property
+    def face_centroids(self) -> FloatArray:
+        """(n_points, 3) the points."""
+        return self.points
+
+    def _planes(self) -> FloatArray:
+        """(n_points, 3) direction in which the neighbours spread least, of either sign."""
+        index = self._near[0]
+        out = np.zeros((self.n_faces, 3))
+        if index.shape[1] < 2:
+            return out
+        for start in range(0, self.n_faces, STEP):
+            here = self.points[start : start + STEP]
+            around = np.concatenate([here[:, None], self.points[index[start : start + STEP]]], axis=1)
+            around -= around.mean(axis=1, keepdims=True)
+            spread = np.einsum("nki,nkj->nij", around, around)
+            values, vectors = np.linalg.eigh(spread)
+            is_plane = values[:, 1] > 1e-12 * np.maximum(values[:, 2], 1e-300)
+            out[start : start + STEP] = np.where(is_plane[:, None], vectors[:, :, 0], 0.0)
+        return out
+
+    def _consistent(self, normals: FloatArray) -> FloatArray:
+        """Normals that agree along the tree of neighbours that differ least (Hoppe et al. 1992)."""
+        pairs = self._near_pairs()
+        n = self.n_faces
+        if not len(pairs):
+            return normals
+        i, j = pairs.T
+        dot = np.einsum("ij,ij->i", normals[i], normals[j])
+        weights = 1.0 + 1e-6 - np.abs(dot)  # a zero would be no edge
+        tree = csgraph.minimum_spanning_tree(
+            sparse.coo_array((weights, (i, j)), shape=(n, n)).tocsr()
+        ).tocoo()
+        i, j = tree.row, tree.col
+        is_against = np.einsum("ij,ij->i", normals[i], normals[j]) < 0
+        # each point twice, as it is and turned; a tree joins each to exactly one of another's two
+        first = np.concatenate([i, i + n])
+        second = np.where(np.tile(is_against, 2), np.concatenate([j + n, j]), np.concatenate([j, j + n]))
+        _, side = connected_components(2 * n, np.stack([first, second], axis=1))
+        normals = np.where((side[:n] > side[n:])[:, None], -normals, normals)
+        _, piece = connected_components(n, np.stack([i, j], axis=1))
+        inward = np.average(self.points, axis=0, weights=self.face_areas + 1e-300) - self.points
+        looks = np.bincount(piece, self.face_areas * np.einsum("ij,ij->i", normals, inward))
+        return np.where((looks < 0)[piece][:, None], -normals, normals)
+
+    def _near_pairs(self) -> IntArray:
+        """(n_pairs, 2) int32 points within reach of each other, each pair once, smaller first."""
+        index, distance = self._near
+        k = min(N_NEAR, index.shape[1])
+        if k == 0:
+            return np.empty((0, 2), np.int32)
+        near = distance[:, :k] <= REACH * self.spacing
+        i = np.repeat(np.arange(self.n_faces, dtype=np.int64), k)[near.ravel()]
+        j = index[:, :k].ravel()[near.ravel()].astype(np.int64)
+        code = np.unique(np.minimum(i, j) * self.n_faces + np.maximum(i, j))
+        pairs = np.stack([code // self.n_faces, code % self.n_faces], axis=1).astype(np.int32)
+        return np.asarray(pairs[pairs[:, 0] != pairs[:, 1]])
+
+    def _adjacency(self) -> IntArray:
+        pairs = self._near_pairs()
+        i, j = pairs.T
+        dot = np.einsum("ij,ij->i", self.face_normals[i], self.face_normals[j])
+        return np.asarray(pairs[dot > BACK])

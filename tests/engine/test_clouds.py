@@ -1,0 +1,208 @@
+"""Point clouds: discs in closed form, consistent normals, readers, and the method on sampled rooms."""
+
+import struct
+
+import numpy as np
+import pytest
+import shapes
+
+import scenewidget as sw
+from scenewidget.engine.clouds import PointCloud
+from scenewidget.engine.mesh import Mesh, MeshError, face_adjacency
+from scenewidget.engine.moments import face_moments
+from scenewidget.engine.readers import load, load_cloud
+
+
+def sampled(mesh, n, *, noise=0.0, seed=0):
+    """Points spread over the area of a mesh, and the face of each."""
+    rng = np.random.default_rng(seed)
+    face = rng.choice(mesh.n_faces, n, p=mesh.face_areas / mesh.face_areas.sum())
+    u, v = rng.random((2, n, 1))
+    a, b, c = np.moveaxis(mesh.vertices[mesh.faces[face]], 1, 0)
+    root = np.sqrt(u)
+    return (1 - root) * a + root * (1 - v) * b + root * v * c + noise * rng.normal(size=(n, 3)), face
+
+
+def test_a_plane_of_points_has_its_area_normal_and_moments():
+    points, _ = sampled(shapes.grid_square(2, size=2.0), 20_000)
+    cloud = PointCloud(points, viewpoint=(1, 1, 5))
+    np.testing.assert_allclose(cloud.face_normals, [[0, 0, 1]] * 20_000, atol=1e-9)
+    assert cloud.face_areas.sum() == pytest.approx(4, rel=0.15)
+    moments = face_moments(cloud).gather(np.zeros(20_000, int), 1)
+    spread = moments.scatter[0] / moments.area[0]
+    np.testing.assert_allclose(np.diag(spread), [1 / 3, 1 / 3, 0], atol=0.02)
+
+
+def test_normals_are_consistent_without_a_viewpoint():
+    ball = shapes.icosphere(3)
+    points, _ = sampled(ball, 5_000)
+    looks = np.einsum("ij,ij->i", PointCloud(points).face_normals, points)
+    assert max((looks > 0).mean(), (looks < 0).mean()) > 0.99
+
+
+def test_sheets_apart_and_back_to_back_are_not_neighbours():
+    points, _ = sampled(shapes.grid_square(2), 4_000)
+    two = np.concatenate([points, np.add(points, (0, 0, 0.5))])
+    pairs = face_adjacency(PointCloud(two, normals=[[0, 0, 1]] * 8_000))
+    assert (np.diff(pairs >= 4_000, axis=1) == 0).all()
+    normals = np.repeat([[0, 0, 1], [0, 0, -1]], 4_000, axis=0)
+    pairs = face_adjacency(
+        PointCloud(np.concatenate([points, np.add(points, (0, 0, 0.003))]), normals=normals)
+    )
+    assert (np.diff(pairs >= 4_000, axis=1) == 0).all()
+
+
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        (np.empty((0, 3)), "at least one, got"),
+        (np.zeros((3, 2)), r"points must have shape \(n_points, 3\)"),
+        ([[0, 0, np.nan]], "NaN or infinite positions in 1 rows; drop them"),
+    ],
+)
+def test_bad_points_are_refused(points, message):
+    with pytest.raises(MeshError, match=message):
+        PointCloud(points)
+    with pytest.raises(MeshError, match=r"normals must have shape \(2, 3\)"):
+        PointCloud(np.eye(3)[:2], normals=np.eye(3))
+
+
+@pytest.mark.parametrize(
+    "points", [np.zeros((1, 3)), np.zeros((50, 3)), np.eye(3), np.arange(90.0).reshape(30, 3)]
+)
+def test_points_without_a_surface_give_an_answer_or_a_clear_error(points):
+    cloud = PointCloud(points)
+    assert np.isfinite(cloud.face_normals).all()
+    try:
+        assert len(sw.segment(cloud).labels) == len(points)
+    except MeshError as error:
+        assert "no surface" in str(error)  # noqa: PT017  # either is right
+
+
+def test_a_sampled_room_is_segmented_as_well_as_its_mesh():
+    mesh, truth = sw.datasets.simulate_room(seed=3, voxel=0.05, n_objects=5)
+    points, face = sampled(mesh, 40_000, noise=0.002)
+    params = sw.Params(n_items=1_500)
+    seg = sw.segment(PointCloud(points, normals=mesh.face_normals[face]), params)
+    error = sw.metrics.rand_index_error(seg.labels, truth.labels[face])
+    assert error < sw.metrics.rand_index_error(sw.segment(mesh, params).labels, truth.labels) + 0.03
+
+
+POINTS = np.array([[0, 0, 0], [1.5, 0, 0], [0, 1, 0.25], [1, 1, 1]], dtype=np.float32)
+RED = 0xFF0000
+
+
+def pcd(form, body, n=4, fields="x y z rgb", viewpoint="0 0 0 1 0 0 0"):
+    k = len(fields.split())
+    head = f"# .PCD v.7\nVERSION .7\nFIELDS {fields}\nSIZE {'4 ' * k}\nTYPE F F F U\nCOUNT {'1 ' * k}\n"
+    head += f"WIDTH {n}\nHEIGHT 1\nVIEWPOINT {viewpoint}\nPOINTS {n}\nDATA {form}\n"
+    return head.encode() + body
+
+
+def literal_lzf(data):
+    runs = [data[i : i + 32] for i in range(0, len(data), 32)]
+    return b"".join(bytes([len(run) - 1]) + run for run in runs)
+
+
+ROWS = b"".join(struct.pack("<3fI", *row, RED) for row in POINTS)
+COLUMNS = POINTS.T.tobytes() + struct.pack("<4I", *[RED] * 4)
+PACKED = literal_lzf(COLUMNS)
+FILES = {
+    "ascii.pcd": pcd("ascii", b"".join(b"%g %g %g %d\n" % (*row, RED) for row in POINTS.tolist())),
+    "binary.pcd": pcd("binary", ROWS),
+    "squeezed.pcd": pcd("binary_compressed", struct.pack("<2I", len(PACKED), len(COLUMNS)) + PACKED),
+    "a.xyz": b"".join(b"%g %g %g 255 0 0\n" % tuple(row) for row in POINTS.tolist()),
+    "a.pts": b"4\n" + b"".join(b"%g %g %g -7 255 0 0\n" % tuple(row) for row in POINTS.tolist()),
+    "a.csv": b"\xef\xbb\xbfX,Y,Z,Red,Green,Blue\r\n"
+    + b"".join(b"%g,%g,%g,255,0,0\r\n" % tuple(row) for row in POINTS.tolist()),
+    "a.ply": b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+    b"property float z\n"
+    b"property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+    + b"".join(b"%g %g %g 255 0 0\n" % tuple(row) for row in POINTS.tolist()),
+}
+
+
+def written(folder, name, data):
+    path = folder / name
+    path.write_bytes(data)
+    return path
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_format_gives_points_and_colours(tmp_path, name):
+    cloud = load(written(tmp_path, name, FILES[name]))
+    assert isinstance(cloud, PointCloud)
+    np.testing.assert_allclose(cloud.points, POINTS)
+    assert cloud.vertex_colors.tolist() == [[255, 0, 0]] * 4
+
+
+@pytest.mark.parametrize("suffix", ["las", "laz"])
+def test_las_and_laz_give_points_and_colours_and_no_half_of_them(tmp_path, suffix):
+    laspy = pytest.importorskip("laspy")
+    pytest.importorskip("lazrs")
+    las = laspy.create(point_format=3, file_version="1.2")
+    las.header.scales = [0.001] * 3
+    las.x, las.y, las.z = POINTS.astype(float).T
+    las.red, las.green, las.blue = [65535] * 4, [0] * 4, [0] * 4
+    path = tmp_path / f"a.{suffix}"
+    las.write(path)
+    cloud = load(path)
+    np.testing.assert_allclose(cloud.points, POINTS, atol=1e-3)
+    assert cloud.vertex_colors.tolist() == [[255, 0, 0]] * 4
+    data = bytearray(path.read_bytes())
+    with pytest.raises(MeshError, match=r"cut\.la"):
+        load(written(tmp_path, f"cut.{suffix}", bytes(data[: -34 if suffix == "las" else -60])))
+    struct.pack_into("<I", data, 107, 10**9)
+    with pytest.raises(MeshError, match=r"promises 1000000000 points|GB of points"):
+        load(written(tmp_path, f"forged.{suffix}", bytes(data)))
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "message"),
+    [
+        ("a.pcd", FILES["binary.pcd"][:-1], "promises 4 points, but only 63 bytes"),
+        ("a.pcd", pcd("binary", ROWS, n=10**9), "asks for 16 GB|promises 1000000000 points"),
+        ("a.pcd", FILES["ascii.pcd"][:-20], "promises 4 points, 3 are there"),
+        ("a.pcd", FILES["squeezed.pcd"][:-1], "4 points don't fit its"),
+        ("a.pcd", pcd("zipped", b""), "form 'zipped', which PCD doesn't know"),
+        ("a.pts", FILES["a.pts"].replace(b"4\n", b"9\n", 1), "first line promises 9 points, 4 follow"),
+        ("a.xyz", b"0 0 0\n1 1\n", "line 2 of its points has 2 numbers"),
+        ("a.xyz", b"hello world\n1 2\n", "has no columns x, y and z"),
+        ("a.csv", b"a,b,c\n1,2,3\n", "has no columns x, y and z"),
+        ("a.glb", b"glTF" + bytes(30), "is a mesh"),
+        ("a.e57", b"ASTM-E57" + bytes(40), "damaged or truncated"),
+        ("a.las", b"LASF" + bytes(40), "truncated inside its header"),
+    ],
+)
+def test_a_damaged_cloud_is_refused_with_its_name(tmp_path, name, data, message):
+    with pytest.raises(MeshError, match=message) as caught:
+        load_cloud(written(tmp_path, name, data))
+    assert name in str(caught.value)
+
+
+def test_points_that_are_not_finite_are_left_out_and_counted(tmp_path):
+    path = written(tmp_path, "a.xyz", b"0 0 0\nnan 0 0\n1 1 1\n0 1 0\n")
+    cloud = load_cloud(path)
+    assert cloud.faces_of_file.tolist() == [0, 2, 3]
+    assert cloud.report == ("1 of 4 points were NaN or infinite and were left out",)
+    with pytest.raises(MeshError, match="1 of 4 points are NaN"):
+        load_cloud(path, strict=True)
+
+
+def test_a_cloud_in_millimetres_is_noticed_and_scaled(tmp_path):
+    text = "".join(f"{x} {y} 0\n" for x in range(0, 5000, 500) for y in range(0, 4000, 500))
+    path = written(tmp_path, "a.xyz", text.encode())
+    with pytest.warns(UserWarning, match="looks as if it were in millimetres"):
+        assert np.ptp(load_cloud(path).points) == 4500
+    assert np.ptp(load_cloud(path, units="auto").points) == 4.5
+    assert np.ptp(load_cloud(path, units="cm").points) == 45
+
+
+@pytest.mark.parametrize("source", [None, 3, {"a": 1}])
+def test_what_is_no_cloud_is_refused(source):
+    with pytest.raises(TypeError, match="cloud must be a path or an"):
+        load_cloud(source)
+
+
+def test_a_mesh_stays_a_mesh():
+    assert type(load((np.eye(3), [[0, 1, 2]]))) is Mesh
