@@ -471,14 +471,14 @@ def test_forged_files_are_refused_at_once_by_every_reader(tmp_path, monkeypatch,
         change(path, "PRAGMA journal_mode=DELETE", "BEGIN", *FORGERIES[forgery], "COMMIT")
     except sqlite3.OperationalError as error:
         pytest.skip(str(error))
-    begin = time.perf_counter()
+    begin = time.thread_time()
     with pytest.raises(ProjectError, match=path.name):
         Session.open(path, mesh)
     with pytest.raises(ProjectError, match=path.name):
         summary_of(path)
     widget = sw.SceneWidget(mesh, sw.Params(n_runs=2, n_graph_runs=2), autosave=True)
     assert widget.view.notices == []
-    assert time.perf_counter() - begin < 3  # for all three, on a machine that others use
+    assert time.thread_time() - begin < 1  # of this thread: the machine may be busy
     widget.close()
     with pytest.raises(ProjectError, match=path.name):
         sw.SceneWidget(mesh, autosave=path)
