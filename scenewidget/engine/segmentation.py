@@ -17,6 +17,7 @@ from scenewidget.engine.doubt import Doubt, doubts
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.moments import face_moments, mean_normals, moment_origin
+from scenewidget.engine.naming import name_segments
 from scenewidget.engine.pieces import make_pieces
 
 if TYPE_CHECKING:
@@ -266,6 +267,42 @@ class Segmentation:
             for s in range(self.n_segments)
         ]
         return pd.DataFrame({"segment": np.arange(self.n_segments), "p_two": doubt.two, "faces": faces})
+
+    def suggest_names(
+        self, *, up: tuple[float, float, float] | FloatArray = (0.0, 0.0, 1.0)
+    ) -> dict[int, tuple[str, float]]:
+        """Names where geometry tells: floor, ceiling, wall; other segments are left out.
+
+        They are offers, nothing is named by them: ``session.relabel(face, name)`` does that. The words are
+        those of NYU40 and of ScanNet's twenty.
+
+        Parameters
+        ----------
+        up : (3,) float
+            Against gravity.
+
+        Returns
+        -------
+        names : dict of int to (str, float)
+            Segment to name and the probability that it is right. None for scans that show no room.
+
+        Raises
+        ------
+        ValueError
+            A direction that is none.
+
+        Examples
+        --------
+        >>> import scenewidget as sw
+        >>> mesh, truth = sw.datasets.load_room()
+        >>> sorted({name for name, _ in truth.suggest_names().values()})
+        ['ceiling', 'floor', 'wall']
+        """
+        direction = np.asarray(up, dtype=np.float64)
+        length = float(np.linalg.norm(direction)) if direction.shape == (3,) else 0.0
+        if not (np.isfinite(length) and length > 0):
+            raise ValueError(f"up must be three numbers, not all zero, got {up!r:.200}; write up=(0, 0, 1)")
+        return name_segments(self.find_doubt().pieces, direction / length)
 
     def find_doubt(self) -> Doubt:
         """What may be wrong; found on first use where it wasn't given (half a second at a million faces)."""

@@ -14,6 +14,7 @@ suggestions: of the first 20 (fewer where there are fewer) the share that lowers
     1 − RI before, after a person who looks at 20 one by one and accepts the right ones, and after the 20 best
     edits with the truth; the share of the gain of these; looks until 1 − RI is a fifth lower, suggested, at
     random, and with the truth; milliseconds from an answer to the next suggestion.
+names: how many segments `suggest_names` names, and the share that the truth calls so, where it has names.
 """
 
 from __future__ import annotations
@@ -236,13 +237,22 @@ def judged_suggestions(made: sw.Segmentation, truth: Array) -> dict[str, float]:
     }
 
 
+def judged_names(made: sw.Segmentation, truth: Array, words: tuple[str, ...]) -> dict[str, float]:
+    """Names offered, and the share that is right."""
+    right = []
+    for segment, (name, _) in made.suggest_names().items():
+        inside = truth[(made.labels == segment) & (truth >= 0)]
+        right.append(len(inside) > 0 and name in words[np.bincount(inside).argmax()].lower())
+    return {"named": len(right), "right": float(np.mean(right)) if right else np.nan}
+
+
 # --- scans ----------------------------------------------------------------------------------------
 
 
 def every_scan(
     kinds: list[str], names: list[str] | None, cache: Path
-) -> Iterator[tuple[str, str, sw.Mesh, Array]]:
-    """Kind, name, mesh and truth; what isn't there is left out with a word."""
+) -> Iterator[tuple[str, str, sw.Mesh, Array, tuple[str, ...]]]:
+    """Kind, name, mesh, truth and its names; what isn't there is left out with a word."""
     if "real" in kinds:
         for name in REAL:
             file = DATA / "real" / f"{name}.npz"
@@ -253,11 +263,11 @@ def every_scan(
                 continue
             kept = np.load(file)
             mesh = sw.Mesh(kept["vertices"], kept["faces"], kept["colors"])
-            yield "real", name, mesh, kept["instances"].astype(np.int64)
+            yield "real", name, mesh, kept["instances"].astype(np.int64), ()
     for half in HALVES:
         if half in kinds:
             for scan in scans(names, [half], cache):
-                yield half, scan.name, scan.mesh, scan.truth.labels.astype(np.int64)
+                yield half, scan.name, scan.mesh, scan.truth.labels.astype(np.int64), tuple(scan.truth.names)
 
 
 def main() -> None:
@@ -271,9 +281,13 @@ def main() -> None:
     warnings.simplefilter("ignore")
     tables: dict[str, dict[str, dict[str, dict[str, float]]]] = {}
     pools: dict[str, list[tuple[Array, Array, Array, Array]]] = {}
-    for kind, name, mesh, truth in every_scan(arguments.kinds, arguments.scans, arguments.cache):
+    for kind, name, mesh, truth, words in every_scan(arguments.kinds, arguments.scans, arguments.cache):
         made = sw.segment(mesh)
-        table = tables.setdefault(kind, {"faces": {}, "borders": {}, "cuts": {}, "suggestions": {}})
+        table = tables.setdefault(
+            kind, {"faces": {}, "borders": {}, "cuts": {}, "suggestions": {}, "names": {}}
+        )
+        if words:
+            table["names"][name] = judged_names(made, truth, words)
         table["faces"][name] = judged_faces(made, truth)
         pools.setdefault(kind, []).append(outcomes(made, truth))
         table["borders"][name] = pair_scores(*pools[kind][-1][:2])

@@ -1,0 +1,43 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapes
+
+import scenewidget as sw
+
+ROOM, TRUTH = sw.datasets.load_room()
+
+
+def test_a_room_has_one_floor_one_ceiling_and_walls_and_all_are_right():
+    names = TRUTH.suggest_names()
+    assert {name for name, _ in names.values()} == {"floor", "ceiling", "wall"}
+    for segment, (name, p) in names.items():
+        assert name in TRUTH.names[segment]
+        assert 0.5 < p < 1
+
+
+def test_names_turn_with_the_room():
+    turned = sw.Mesh(ROOM.vertices[:, [2, 0, 1]], ROOM.faces)  # z becomes x: cyclic, so no mirror
+    same = sw.Segmentation(turned, TRUTH.labels)
+    assert same.suggest_names(up=(2, 0, 0)) == TRUTH.suggest_names()
+
+
+def test_what_the_engine_finds_is_named_like_the_truth():
+    seg = sw.segment(ROOM)
+    names = seg.suggest_names()
+    assert len(names) >= 4
+    for segment, (name, _) in names.items():
+        inside = (seg.labels == segment) & (TRUTH.labels >= 0)
+        assert name in TRUTH.names[np.bincount(TRUTH.labels[inside]).argmax()]
+
+
+def test_a_table_is_no_room():
+    table = shapes.sheet(10, 10, width=1.0, depth=1.0)
+    assert sw.Segmentation(table, np.zeros(table.n_faces, int)).suggest_names() == {}
+
+
+@pytest.mark.parametrize("up", [(0, 0, 0), (1, 2), (np.nan, 0, 1)])
+def test_a_direction_that_is_none_is_refused(up):
+    with pytest.raises(ValueError, match="up must be three numbers, not all zero"):
+        TRUTH.suggest_names(up=up)
