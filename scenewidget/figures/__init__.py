@@ -16,6 +16,7 @@ from scenewidget.figures.motion import vibration
 from scenewidget.figures.orbit import Figure
 from scenewidget.figures.progress import sweep
 from scenewidget.figures.scale import ColorScale
+from scenewidget.figures.thesis import dihedral_partitions, features_and_costs, raw_and_simplified
 from scenewidget.figures.views import compare, show, side_by_side
 
 __all__ = [
@@ -25,6 +26,9 @@ __all__ = [
     "Figure",
     "coassociation",
     "compare",
+    "dihedral_partitions",
+    "features_and_costs",
+    "raw_and_simplified",
     "reliability",
     "show",
     "side_by_side",
