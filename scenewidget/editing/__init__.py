@@ -12,6 +12,7 @@
 ``project``          what a project is; ``store`` its file, ``schema`` the tables in the file
 ``suggestions``      merges and splits that are worth a look
 ``annotator``        a simulated person, to count edits
+``interaction``      time, operation and error of each, in a form in which tools can be compared
 ``formats``          segmentations in the files of other tools
 ===================  ============================================================================
 """
@@ -20,6 +21,7 @@ from scenewidget.editing.annotator import Correction, simulate_annotator
 from scenewidget.editing.edits import Cut, Edit, EditError, Merge, Relabel, Split
 from scenewidget.editing.fingerprint import Fingerprint, fingerprint
 from scenewidget.editing.formats import FormatError, export, import_labels
+from scenewidget.editing.interaction import compare_interactions, interaction_log
 from scenewidget.editing.project import ProjectError
 from scenewidget.editing.session import Event, Session, Step, apply_edits
 from scenewidget.editing.suggestions import Suggestion
@@ -43,9 +45,11 @@ __all__ = [
     "Step",
     "Suggestion",
     "apply_edits",
+    "compare_interactions",
     "export",
     "fingerprint",
     "import_labels",
+    "interaction_log",
     "nyu_class",
     "nyu_id",
     "simulate_annotator",

@@ -468,6 +468,12 @@ class Session:
         """
         self._rows_shown = dict(rows)
 
+    @property
+    def operations(self) -> tuple[Operation, ...]:
+        """The log: all that was done in this session, undo and redo as well, with its time."""
+        with self._lock:
+            return tuple(self._binding.operations)
+
     def to_frame(self) -> pd.DataFrame:
         """A row an operation: time (UTC), seconds since the one before, action, edit, faces, level, name.
 
