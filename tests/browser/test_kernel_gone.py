@@ -13,6 +13,7 @@ from editing_page import WIDGET, Editor
 
 CONTEXT = "window.jupyterapp.shell.currentWidget.context.sessionContext"
 COMPUTING = "w.view.busy, w.view.progress, w.view.status = True, 0.3, 'Distances'"
+KEEP_STATE = "@jupyter-widgets/jupyterlab-manager:saveWidgetState"  # in the notebook; turns it on or off
 NOTICED_SECONDS = 5
 SLACK = float(os.environ.get("SCENEWIDGET_SLACK", "4"))  # of a machine that does other things meanwhile
 
@@ -72,6 +73,8 @@ def test_a_page_stored_while_computing_is_at_rest_when_it_is_opened(notebook):
     editor = Editor(book)
     book.execute(COMPUTING)
     editor.root.get_by_role("button", name="Cancel").wait_for()
+    keep_state = f"() => window.jupyterapp.commands.execute('{KEEP_STATE}')"
+    book.page.evaluate(keep_state)
     book.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
     book.page.wait_for_function("() => !window.jupyterapp.shell.currentWidget.context.model.dirty")
     book.page.evaluate(f"() => {CONTEXT}.shutdown()")
@@ -83,4 +86,5 @@ def test_a_page_stored_while_computing_is_at_rest_when_it_is_opened(notebook):
         assert not again.root.get_by_role("button", name=name, exact=True).is_visible(), name
     again.root.get_by_text("The kernel is gone").wait_for()
     assert int(again.state("segments")) == editor.n  # one can still look
+    book.page.evaluate(keep_state)  # the setting is as it was
     book.page.goto("about:blank")  # a page that was loaded again opens its notebook once more
