@@ -59,8 +59,7 @@ def cut_segment(mesh: Mesh, faces: IntArray, face_a: int, face_b: int) -> BoolAr
     >>> cut_segment(mesh, np.arange(8), 0, 7)
     array([False, False,  True,  True, False, False,  True,  True])
     """
-    used, corners = np.unique(mesh.faces[faces], return_inverse=True)
-    sub = Mesh(mesh.vertices[used], corners.reshape(-1, 3))
+    sub = mesh.part(faces)
     a, b = (int(np.searchsorted(faces, face)) for face in (face_a, face_b))
     pairs = face_adjacency(sub)
     _, piece = connected_components(sub.n_faces, pairs)

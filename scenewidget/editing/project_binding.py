@@ -20,7 +20,7 @@ from scenewidget.editing.fingerprint import fingerprint, living_mesh
 from scenewidget.editing.project import Operation, Project, ProjectError, Root
 from scenewidget.editing.store import ProjectFile
 from scenewidget.engine.mesh import Mesh, MeshError
-from scenewidget.engine.readers import load_mesh
+from scenewidget.engine.readers import load
 
 __all__ = ["ProjectBinding", "mesh_of_project"]
 
@@ -213,7 +213,7 @@ def mesh_of_project(project: Project, path: Path, mesh: Mesh | Any | None = None
         The mesh given is another one, or none is to be found.
     """
     if mesh is not None:
-        given = load_mesh(mesh)
+        given = load(mesh)
         if fingerprint(given) != project.fingerprint:
             raise ProjectError(
                 f"{path.name!r} belongs to another mesh: it was made on one of "
@@ -233,7 +233,7 @@ def mesh_of_project(project: Project, path: Path, mesh: Mesh | Any | None = None
         if str(place).startswith(("\\\\", "//")) or not place.is_file():
             continue
         try:
-            found = load_mesh(place)
+            found = load(place)
         except (MeshError, OSError):
             continue
         if fingerprint(found) == project.fingerprint:

@@ -28,6 +28,7 @@ from scenewidget.editing.fingerprint import Fingerprint, fingerprint
 from scenewidget.editing.partition import KnownCut
 from scenewidget.editing.project import Action, Operation, Project, ProjectError, Root, read_log
 from scenewidget.editing.vocabulary import checked_vocabulary
+from scenewidget.engine.clouds import PointCloud
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import LEVELS
@@ -335,9 +336,13 @@ def load_project(connection: sqlite3.Connection, version: int, *, recover: bool)
     if version >= ROOT_SINCE:
         n_lost += _missing(read_root(connection), root, recover=recover)
     arrays = {name: _array(name, row, found) for name, row in rows.items()}
-    mesh = None
+    mesh: Mesh | None = None
     if "mesh/faces" in arrays:
-        mesh = Mesh(arrays["mesh/vertices"], arrays["mesh/faces"], arrays.get("mesh/vertex_colors"))
+        places, faces = arrays["mesh/vertices"], arrays["mesh/faces"]
+        if len(places) == len(faces) and (faces == np.arange(len(faces))[:, None]).all():  # of a cloud
+            mesh = PointCloud(places, arrays.get("mesh/normals"), arrays.get("mesh/vertex_colors"))
+        else:
+            mesh = Mesh(places, faces, arrays.get("mesh/vertex_colors"))
         if fingerprint(mesh) != found:
             raise ProjectError("its mesh is not the one of its fingerprint")
     return Project(

@@ -36,7 +36,7 @@ from scenewidget.engine.atoms import Atoms
 from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.mesh import BoolArray, IntArray, Mesh
 from scenewidget.engine.params import Params
-from scenewidget.engine.readers import load_mesh
+from scenewidget.engine.readers import load
 from scenewidget.engine.segmentation import Level, Segmentation
 from scenewidget.palette import keep_colors
 
@@ -97,7 +97,7 @@ class Session:
     ) -> None:
         _check_segmentation(segmentation)
         _check_params(params)
-        self.mesh: Mesh = load_mesh(mesh)
+        self.mesh: Mesh = load(mesh)
         self._source = self.mesh.source
         self._params = params
         self._vocabulary = chosen_vocabulary(vocabulary)

@@ -169,6 +169,16 @@ class Mesh:
         """Number of triangles."""
         return len(self.faces)
 
+    def part(self, faces: IntArray) -> Mesh:
+        """Some of the faces, in their order, with the vertices that they use.
+
+        Parameters
+        ----------
+        faces : (n,) int
+        """
+        used, corners = np.unique(self.faces[faces], return_inverse=True)
+        return Mesh(self.vertices[used], corners.reshape(-1, 3))
+
     def _adjacency(self) -> IntArray:
         return _shared_edges(self)
 

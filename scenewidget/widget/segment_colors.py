@@ -14,7 +14,7 @@ from scipy import sparse
 from scenewidget.engine.atoms import Atoms
 from scenewidget.engine.family import Family
 from scenewidget.engine.items import Items
-from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, face_adjacency
 from scenewidget.palette import adjacent_segments, are_distinct, choose_colors, inherited_colors, palette
 
 __all__ = ["N_SPARE", "SegmentColors", "conflicts"]
@@ -161,7 +161,12 @@ class SegmentColors:
 
     def _stand_on(self, atoms: Atoms) -> None:
         """Know which atoms touch, and their sizes."""
-        pairs = adjacent_segments(self._mesh.faces, atoms.face_atom.astype(np.int64), self._mesh.n_vertices)
+        home = atoms.face_atom.astype(np.int64)
+        if self._mesh.is_cloud:
+            touching = np.sort(home[face_adjacency(self._mesh)], axis=1)
+            pairs = np.unique(touching[touching[:, 0] != touching[:, 1]], axis=0)
+        else:
+            pairs = adjacent_segments(self._mesh.faces, home, self._mesh.n_vertices)
         ones, (i, j) = np.ones(2 * len(pairs), bool), np.concatenate([pairs, pairs[:, ::-1]]).T
         self._touching = sparse.csr_array((ones, (i, j)), shape=(atoms.n, atoms.n))
         self._atom_faces = np.bincount(atoms.face_atom, minlength=atoms.n).astype(np.float64)

@@ -46,6 +46,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from scenewidget.engine.clouds import PointCloud
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh
 
 __all__ = [
@@ -89,7 +90,7 @@ def geometry(mesh: Mesh) -> dict[str, npt.NDArray[Any]]:
     """Arrays of the mesh as the browser takes them.
 
     Vertices are float32 around the middle of the faces: an origin far away, as in geographic coordinates,
-    would eat the precision.
+    would eat the precision. A point of a cloud is a triangle in its tangent plane.
 
     Examples
     --------
@@ -99,6 +100,15 @@ def geometry(mesh: Mesh) -> dict[str, npt.NDArray[Any]]:
     (['faces', 'vertices'], dtype('uint32'))
     """
     middle = (mesh.bounds[0] + mesh.bounds[1]) / 2
+    if isinstance(mesh, PointCloud):  # a triangle a point: picking and edits name points by it
+        corners, faces = mesh.splats()
+        drawn: dict[str, npt.NDArray[Any]] = {
+            "vertices": (corners - middle).reshape(-1, 3).astype(np.float32),
+            "faces": faces.astype(np.uint32),
+        }
+        if mesh.vertex_colors is not None:
+            drawn["vertex_colors"] = np.repeat(mesh.vertex_colors, 3, axis=0)
+        return drawn
     vertices = np.where(mesh.is_used[:, None], mesh.vertices - middle, 0.0).astype(np.float32)
     arrays: dict[str, npt.NDArray[Any]] = {"vertices": vertices, "faces": mesh.faces.astype(np.uint32)}
     if mesh.vertex_colors is not None:

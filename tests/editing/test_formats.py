@@ -351,7 +351,7 @@ def test_forged_sizes_take_no_memory(tmp_path):
     header += "element face 1\nproperty int label\nend_header\n"
     for layout in ("ascii 1.0", "binary_little_endian 1.0"):
         (tmp_path / "a.ply").write_text(header.format(layout, 10**11))
-        with pytest.raises(FormatError, match=r"promised|take"):
+        with pytest.raises(FormatError, match=r"promise|take"):
             sw.import_labels(mesh, tmp_path / "a.ply")
     big = b"\x93NUMPY\x01\x00" + struct.pack("<H", 118)
     big += b"{'descr': '<i8', 'fortran_order': False, 'shape': (1000000000000,), }".ljust(117) + b"\n"

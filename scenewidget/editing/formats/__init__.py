@@ -21,8 +21,8 @@ from scenewidget.editing.fingerprint import fingerprint
 from scenewidget.editing.formats import glb, npz, plain, ply, scannet, scenenn, table
 from scenewidget.editing.formats.common import FormatError, Labels, faces_from_vertices
 from scenewidget.editing.formats.seal import Contents, write_files
-from scenewidget.engine.mesh import Mesh
-from scenewidget.engine.readers import load_mesh
+from scenewidget.engine.mesh import Mesh, MeshError
+from scenewidget.engine.readers import load
 from scenewidget.engine.segmentation import Segmentation
 
 __all__ = ["FormatError", "export", "import_labels"]
@@ -31,7 +31,7 @@ __all__ = ["FormatError", "export", "import_labels"]
 @dataclass(frozen=True)
 class _Format:
     write: Callable[..., Contents] | None
-    read: Callable[[Path, Mesh], Labels] | None
+    read: Callable[..., Labels] | None
     options: tuple[str, ...] = ()
 
 
@@ -45,10 +45,14 @@ _FORMATS = {
     "parquet": _Format(table.write_parquet, None),
     "npy": _Format(plain.write_npy, plain.read_npy),
     "txt": _Format(plain.write_text, plain.read_text),
+    "label": _Format(None, plain.read_label),
 }
 _SUFFIXES = {
     ".aggregation.json": "scannet",
     ".segs.json": "scannet",
+    ".segs.v2.json": "scannet",
+    ".json": "scannet",
+    ".label": "label",
     ".ply": "ply",
     ".npz": "npz",
     ".glb": "glb",
@@ -118,7 +122,7 @@ def export(
     """
     if not isinstance(segmentation, Segmentation):
         raise TypeError(f"segmentation must be a Segmentation, got {type(segmentation).__name__}")
-    mesh = load_mesh(mesh)
+    mesh = load(mesh)
     if segmentation.mesh is not mesh and fingerprint(segmentation.mesh) != fingerprint(mesh):
         raise ValueError(
             f"segmentation is of another mesh: of one with {fingerprint(segmentation.mesh)}, "
@@ -144,6 +148,8 @@ def import_labels(
     mesh: Mesh | Any,
     path: str | os.PathLike[str],
     format: str | None = None,  # noqa: A002  # as in export
+    *,
+    property: str | None = None,  # noqa: A002  # what PLY calls it
 ) -> Segmentation:
     """Labels from a file, on a mesh.
 
@@ -154,9 +160,12 @@ def import_labels(
     path : path
         What `export` wrote, or the like from other tools: PLY with labels per face or vertex, ScanNet's
         ``.aggregation.json``, SceneNN's ``.xml`` with its ``.ply``, NPY or TXT with a number a face or
-        vertex. A negative label means unlabeled.
+        vertex; ScanNet++'s and 3RScan's pairs of JSON; ``.label`` as of Semantic-KITTI. A negative label
+        means unlabeled, in ``.label`` also 0.
     format : str, optional
         By default what the suffix says.
+    property : str, optional
+        Which property of a PLY holds the labels, where its name is unusual. Case doesn't matter.
 
     Returns
     -------
@@ -183,18 +192,22 @@ def import_labels(
     array([0, 0, 0, 0, 1, 1, 1, 1], dtype=int32)
     >>> folder.cleanup()
     """
-    mesh = load_mesh(mesh)
+    mesh = load(mesh)
     source = checked_path(path)
     name = _format_of(source, format)
     reader = _FORMATS[name].read
     if reader is None:
         raise FormatError(f"{source.name!r} is a table of segments; it does not say which face is in which")
+    if property is not None and name != "ply":
+        raise ValueError(f"property names a column of a PLY, and {source.name!r} is read as {name!r}")
     if not source.exists():
         raise FileNotFoundError(f"label file {str(source)!r} does not exist")
     if not source.is_file():
         raise FormatError(f"{source.name!r} is no file")
     try:
-        found = reader(source, mesh)
+        found = reader(source, mesh) if property is None else reader(source, mesh, property=property)
+    except MeshError as error:  # of the readers of scans
+        raise FormatError(str(error)) from error
     except FormatError as error:
         raise error if source.name in str(error) else FormatError(f"{source.name!r} {error}") from error
     except (

@@ -145,31 +145,42 @@ def read(path: Path, mesh: Mesh) -> Labels:
     if not pieces:
         raise FormatError(f"{path.name!r} has no node with triangles")
     labels = np.full(mesh.n_faces, -1, dtype=np.int64)
-    says_faces = all(p.faces is not None and len(p.faces) == len(p.centers) for p in pieces)
+    says_faces = _says_faces(pieces, mesh)
     found = [p.faces for p in pieces if p.faces is not None] if says_faces else _by_place(pieces, mesh)
     every = np.concatenate(found)
     every = every[every >= 0]
-    if len(every) and (every.max() >= mesh.n_faces or (says_faces and len(np.unique(every)) < len(every))):
-        raise FormatError(f"{path.name!r} belongs to another mesh than one of {mesh.n_faces} faces")
     if not len(every):
         raise FormatError(f"{path.name!r} has no triangle where the mesh has one: it belongs to another mesh")
     for k, (piece, faces) in enumerate(zip(pieces, found, strict=True)):
         if not piece.is_unlabeled:
             labels[faces[faces >= 0]] = k
-    if says_faces:
-        _check_places(pieces, mesh, path.name)
     lost = sum(int((faces < 0).sum()) for faces in found)
     names = {k: piece.name for k, piece in enumerate(pieces)}
     return Labels(labels, "face", names, report={"triangles that the mesh does not have": lost})
 
 
-def _check_places(pieces: list[_Piece], mesh: Mesh, name: str) -> None:
+def _says_faces(pieces: list[_Piece], mesh: Mesh) -> bool:
+    """Whether what the file says of its faces holds: programs that saved it again keep that and renumber."""
+    if any(piece.faces is None or len(piece.faces) != len(piece.centers) for piece in pieces):
+        return False
+    every = np.concatenate([piece.faces for piece in pieces if piece.faces is not None])
+    if (
+        len(every) == 0
+        or every.min() < 0
+        or every.max() >= mesh.n_faces
+        or len(np.unique(every)) < len(every)
+    ):
+        return False
     reach = 1e-3 * float(np.ptp(mesh.vertices, axis=0).max() or 1.0)
-    for piece in pieces:
-        if piece.faces is not None and len(piece.faces):
-            apart = np.abs(_z_up(piece.centers) - mesh.face_centroids[piece.faces])
-            if not (apart <= reach).all():
-                raise FormatError(f"{name!r} belongs to another mesh: its triangles lie elsewhere")
+    centers = np.concatenate([piece.centers for piece in pieces])
+    return bool((np.abs(_z_up(centers) - mesh.face_centroids[every]) <= reach).all())
+
+
+def _said_faces(content: dict[str, Any], data: bytes, number: Any) -> IntArray | None:
+    try:
+        return _array(content, data, number, 1).astype(np.int64).ravel()
+    except (FormatError, LookupError, TypeError, ValueError):
+        return None  # another program took the numbers of faces for something of its own
 
 
 def _by_place(pieces: list[_Piece], mesh: Mesh) -> list[IntArray]:
@@ -240,7 +251,7 @@ def _pieces(content: dict[str, Any], data: bytes, budget: int) -> Iterator[_Piec
         extras = node.get("extras")
         faces, is_ours = None, isinstance(extras, dict) and "segment" in extras and "faces" in extras
         if is_ours:
-            faces = _array(content, data, extras["faces"], 1).astype(np.int64).ravel()
+            faces = _said_faces(content, data, extras["faces"])
         name = extras.get("name", "") if is_ours else node.get("name", "")
         yield _Piece(
             clean_name(name),

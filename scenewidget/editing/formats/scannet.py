@@ -71,7 +71,7 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
 
 def read(path: Path, mesh: Mesh) -> Labels:
     """Objects of an aggregation, or without one the small segments of a ``.segs.json``."""
-    if path.name.lower().endswith(SEGS):
+    if _is_of_segments(path.name):
         return Labels(_read_segments(path, mesh), "vertex")
     data = _read_json(path, 1_000 + 100 * BYTES_A_VERTEX * mesh.n_vertices)
     groups = data.get("segGroups") if isinstance(data, dict) else None
@@ -107,6 +107,11 @@ def read(path: Path, mesh: Mesh) -> Labels:
     )
 
 
+def _is_of_segments(name: str) -> bool:
+    """Whether a file's name is that of small segments: of ScanNet, of 3RScan, of ScanNet++."""
+    return name.lower().endswith((SEGS, ".segs.v2.json")) or name.lower() == "segments.json"
+
+
 def _scene(path: Path) -> str:
     for suffix in (AGGREGATION, SEGS, ".json"):
         if path.name.lower().endswith(suffix):
@@ -122,8 +127,9 @@ def _segments_file(path: Path, named: Any) -> Path:
         name = named.replace("\\", "/").rsplit("/", 1)[-1]
         candidates = [name, name.removeprefix("scannet.")]  # as the released files say
     candidates += [scene + SEGS, scene + "_vh_clean_2.0.010000" + SEGS]
+    candidates += ["segments.json", "mesh.refined.0.010000.segs.v2.json"]  # of ScanNet++, of 3RScan
     for name in candidates:
-        if name.endswith(SEGS) and "\0" not in name and path.with_name(name).is_file():
+        if _is_of_segments(name) and "\0" not in name and path.with_name(name).is_file():
             return path.with_name(name)
     raise FormatError(
         f"{path.name!r} needs its file of segments beside it, called {candidates[0]!r:.100} "

@@ -26,6 +26,7 @@ from scenewidget.editing.formats.seal import SEAL, Contents, check_one_set
 from scenewidget.editing.vocabulary import nyu_class
 from scenewidget.engine.mesh import FloatArray, Mesh
 from scenewidget.engine.moments import mean_normals
+from scenewidget.engine.readers.ply import columns_of
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.palette import segment_colors
 
@@ -91,8 +92,7 @@ def read(path: Path, mesh: Mesh) -> Labels:
             raise FormatError(f"{path.name!r} needs {needed.name!r} beside it")
     check_one_set(scene, annotation)
     names = _read_names(annotation)
-    with scene.open("rb") as file:
-        elements, _ = ply.read_columns(file, scene.stat().st_size)
+    elements, _ = columns_of(scene)
     vertices = elements.get("vertex", {})
     if "label" not in vertices or len(vertices["label"]) != mesh.n_vertices:
         raise FormatError(

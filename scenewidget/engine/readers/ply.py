@@ -20,7 +20,7 @@ from scenewidget.engine.readers.colors import Texture, as_bytes, at_vertices, op
 from scenewidget.engine.readers.scan import Notes, Scan, check_promise
 from scenewidget.engine.readers.text import numbers
 
-__all__ = ["has_faces", "read"]
+__all__ = ["columns_of", "has_faces", "read"]
 
 TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
@@ -90,6 +90,20 @@ def read(path: Path, notes: Notes) -> Scan:
         if strips is not None:
             scan.corners = _strip_triangles(strips.values)
     return scan
+
+
+def columns_of(path: Path) -> tuple[dict[str, dict[str, Any]], list[str]]:
+    """All properties of the PLY at ``path`` by element and name, and its comments.
+
+    A property is an array, or, of lists, an object with their ``values`` one after the other and ``counts``.
+    """
+    data = path.read_bytes()
+    order, elements, _, start = _read_header(path, data)
+    columns = (
+        _read_binary(path, data, start, elements, order) if order else _read_text(path, data, start, elements)
+    )
+    lines = data[:start].decode("utf-8", "replace").splitlines()
+    return columns, [line.split("comment ", 1)[1].strip() for line in lines if line.startswith("comment ")]
 
 
 def has_faces(path: Path) -> bool:

@@ -1,0 +1,118 @@
+"""Label files as other tools write them, read onto the mesh that they are of; clouds through all files."""
+
+import json
+
+import numpy as np
+import pytest
+import shapes
+import trimesh
+
+import scenewidget as sw
+from scenewidget.editing.formats import FormatError
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return shapes.grid_square(4)
+
+
+@pytest.fixture(scope="module")
+def segments(mesh):
+    return sw.Segmentation.from_labels(mesh, (mesh.face_centroids[:, 0] > 0.5).astype(int))
+
+
+def cut(mesh):
+    """A label a vertex: 7 to the left, 9 to the right."""
+    return np.where(mesh.vertices[:, 0] > 0.5, 9, 7)
+
+
+def ply_with(mesh, name, labels, kind="int"):
+    head = f"ply\nformat ascii 1.0\nelement vertex {mesh.n_vertices}\nproperty float x\nproperty float y\n"
+    head += f"property float z\nproperty {kind} {name}\nelement face {mesh.n_faces}\n"
+    head += "property list uchar int vertex_indices\nend_header\n"
+    rows = [f"{x} {y} {z} {label}" for (x, y, z), label in zip(mesh.vertices.tolist(), labels.tolist())]
+    return head + "\n".join(rows + [f"3 {a} {b} {c}" for a, b, c in mesh.faces.tolist()]) + "\n"
+
+
+@pytest.mark.parametrize(
+    "name", ["objectId", "OBJECTID", "scalar_Label", "scalar_Classification", "segment_id"]
+)
+def test_properties_are_known_whatever_their_case(tmp_path, mesh, name):
+    path = tmp_path / "a.ply"
+    path.write_text(ply_with(mesh, name, cut(mesh), "float" if "scalar" in name else "int"))
+    assert sw.import_labels(mesh, path).n_segments == 2
+
+
+def test_any_property_can_be_named(tmp_path, mesh):
+    path = tmp_path / "a.ply"
+    path.write_text(ply_with(mesh, "My_Ids", cut(mesh)))
+    with pytest.raises(FormatError, match="property= names another"):
+        sw.import_labels(mesh, path)
+    assert sw.import_labels(mesh, path, property="my_ids").n_segments == 2
+    with pytest.raises(ValueError, match="property names a column of a PLY"):
+        sw.import_labels(mesh, tmp_path / "a.txt", property="x")
+
+
+@pytest.mark.parametrize("names", [("segments.json", "segments_anno.json"),
+                                   ("mesh.refined.0.010000.segs.v2.json", "semseg.v2.json")])  # fmt: skip
+def test_pairs_of_json_of_scannetpp_and_3rscan(tmp_path, mesh, names):
+    labels = cut(mesh)
+    groups = [{"id": 0, "objectId": 4, "segments": [7], "label": "sofa"},
+              {"id": 1, "objectId": 5, "segments": [9], "label": "wall"}]  # fmt: skip
+    bom = b"\xef\xbb\xbf"
+    (tmp_path / names[0]).write_bytes(bom + json.dumps({"segIndices": labels.tolist()}).encode())
+    (tmp_path / names[1]).write_text(json.dumps({"segGroups": groups}))
+    assert set(sw.import_labels(mesh, tmp_path / names[1]).names) == {"sofa", "wall"}
+    assert sw.import_labels(mesh, tmp_path / names[0]).n_segments == 2
+
+
+def test_text_of_savetxt_and_bytes_of_semantic_kitti(tmp_path, mesh, segments):
+    np.savetxt(tmp_path / "a.txt", segments.labels, header="labels")
+    assert sw.import_labels(mesh, tmp_path / "a.txt").labels.tolist() == segments.labels.tolist()
+    (tmp_path / "b.txt").write_bytes(b"\xef\xbb\xbf" + "\r\n".join(map(str, segments.labels)).encode())
+    assert sw.import_labels(mesh, tmp_path / "b.txt").labels.tolist() == segments.labels.tolist()
+    values = np.where(segments.labels == 1, 0, (3 << 16) + 40).astype("<u4")
+    (tmp_path / "a.label").write_bytes(values.tobytes())
+    read = sw.import_labels(mesh, tmp_path / "a.label")
+    assert (read.n_segments, (read.labels < 0).sum()) == (1, (segments.labels == 1).sum())
+    (tmp_path / "b.label").write_bytes(b"1234")
+    with pytest.raises(FormatError, match="has 4 bytes, but labels of this mesh take"):
+        sw.import_labels(mesh, tmp_path / "b.label")
+
+
+def test_our_glb_saved_again_by_trimesh(tmp_path, mesh, segments):
+    written = sw.export(segments, mesh, tmp_path / "a.glb")[0]
+    trimesh.load(written, process=False).export(tmp_path / "b.glb")
+    read = sw.import_labels(mesh, tmp_path / "b.glb")
+    assert sw.metrics.rand_index_error(read.labels, segments.labels) == 0
+
+
+def test_labels_of_polygons_reach_their_triangles(tmp_path):
+    text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 3 4\nf 2 5 6\nf 2 6 3\n"
+    (tmp_path / "a.obj").write_text(text)
+    mesh = sw.load_mesh(tmp_path / "a.obj")
+    (tmp_path / "a.txt").write_text("5\n6\n6\n")
+    assert sw.import_labels(mesh, tmp_path / "a.txt").labels.tolist() == [0, 0, 1, 1]
+
+
+@pytest.mark.parametrize("suffix", ["ply", "npz", "txt", "npy"])
+def test_clouds_go_through_files_and_projects(tmp_path, suffix):
+    points = np.random.default_rng(0).random((300, 3)) * (1, 1, 0)
+    cloud = sw.PointCloud(points, normals=[[0, 0, 1]] * 300)
+    seg = sw.Segmentation.from_labels(cloud, (points[:, 0] > 0.5).astype(int))
+    written = sw.export(seg, cloud, tmp_path / f"out.{suffix}")[0]
+    assert sw.import_labels(cloud, written).labels.tolist() == seg.labels.tolist()
+    session = sw.Session(cloud, seg)
+    session.merge(0, int(np.flatnonzero(seg.labels != seg.labels[0])[0]))
+    session.save(tmp_path / "room.swproj")
+    session.close()
+    with sw.Session.open(tmp_path / "room.swproj") as again:
+        assert type(again.mesh) is sw.PointCloud
+        assert again.segmentation.n_segments == 1
+
+
+def test_a_cloud_is_drawn_by_a_triangle_a_point():
+    points = np.random.default_rng(0).random((200, 3)) * (1, 1, 0)
+    view = sw.SceneView(sw.PointCloud(points, normals=[[0, 0, 1]] * 200))
+    assert view._headers["faces"]["shape"] == [200, 3]
+    assert view._headers["vertices"]["shape"] == [600, 3]
