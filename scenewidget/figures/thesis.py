@@ -112,7 +112,7 @@ def features_and_costs(
     --------
     >>> import scenewidget as sw
     >>> room, truth = sw.datasets.load_room()
-    >>> small = sw.Params.thesis(n_segments=30, n_items=400, n_runs=3, leftover="argmax")
+    >>> small = sw.Params.thesis(n_segments=8, n_items=400, n_runs=3, consensus="linkage")
     >>> sw.figures.features_and_costs(room, small)
     Figure(6 panels)
     """
