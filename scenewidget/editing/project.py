@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -148,6 +148,11 @@ class Project:
             source=source,
             operations=operations,
         )
+
+    def anonymous(self) -> Project:
+        """The same without when it was made, how long that took, and which files it came from."""
+        steps = tuple(replace(operation, time=0.0) for operation in self.operations)
+        return replace(self, operations=steps, timings={}, report={}, source="")
 
     def segmentation(self, mesh: Mesh) -> Segmentation:
         """The automatic segmentation, on its mesh."""

@@ -164,6 +164,20 @@ class ProjectBinding:
         self._bind(file, holds_mesh=holds_mesh)
         return file.path
 
+    def save_copy(self, path: str | os.PathLike[str] | None, project: Project, *, overwrite: bool) -> Path:
+        """Write a project to a file of its own, which the log does not go on in."""
+        if path is None:
+            raise ValueError("an anonymous copy needs a path: save('copy.swproj', anonymous=True)")
+        target = checked_path(path)
+        if self._file is not None and self._file.is_at(target):
+            raise ValueError(
+                f"{target.name!r} is the file that this session works on; "
+                "an anonymous copy needs another path"
+            )
+        file = ProjectFile.write(target, project, overwrite=overwrite)
+        file.close()
+        return file.path
+
     def close(self) -> None:
         """Let go of the file; the log goes on in memory."""
         if self._file is not None:

@@ -518,6 +518,7 @@ class Session:
         *,
         include_mesh: bool = False,
         overwrite: bool = True,
+        anonymous: bool = False,
     ) -> Path:
         """Write the project to a file; from then on every edit is on disk before its call returns.
 
@@ -532,6 +533,9 @@ class Session:
         overwrite : bool
             Whether another file of that name may go. Without it, of two sessions that choose one name at
             the same moment one gets it.
+        anonymous : bool
+            A copy to give away instead: without the times of edits, the seconds that stages took, and the
+            names of files that mesh and labels came from. The session goes on in the file that it had.
 
         Returns
         -------
@@ -540,7 +544,7 @@ class Session:
         Raises
         ------
         ValueError
-            No path, and no file yet.
+            No path, and no file yet; or an anonymous copy over the session's own file.
         FileExistsError
             Not to ``overwrite``, and there is such a file; or one that is no project.
         OSError
@@ -548,6 +552,9 @@ class Session:
             file, if there was one, is untouched, and edits stay in memory.
         """
         with self._lock:
+            if anonymous:
+                copy = self._project(include_mesh).anonymous()
+                return self._binding.save_copy(path, copy, overwrite=overwrite)
             written = self._binding.save(path, self._project, include_mesh=include_mesh, overwrite=overwrite)
             event = self._event("file", None)
         self._tell(event)

@@ -1,9 +1,11 @@
 """The log of a session in memory and on disk, and the mesh that a project is of."""
 
 import gc
+import socket
 import weakref
 
 import numpy as np
+import pandas as pd
 import pytest
 import shapes
 from editing_strategies import box_session
@@ -61,3 +63,28 @@ def test_a_mesh_in_the_file_or_in_memory_needs_no_search(tmp_path):
     mesh = shapes.box(4)
     assert mesh_of_project(project(mesh, include_mesh=True), tmp_path / "a.swproj")[0] is mesh
     assert mesh_of_project(project(mesh), tmp_path / "a.swproj")[0] is mesh
+
+
+def test_an_anonymous_copy_tells_of_no_time_place_or_machine(tmp_path):
+    folder = tmp_path / "home of somebody"
+    folder.mkdir()
+    box = shapes.box(4)
+    sw.export(Segmentation.from_labels(box, np.arange(192) // 32), box, folder / "scan.ply")
+    mesh = sw.load_mesh(folder / "scan.ply")
+    session = sw.Session(mesh, sw.import_labels(mesh, folder / "scan.ply"))
+    session.merge(0, 40)
+    mine = session.save(tmp_path / "mine.swproj")
+    copy = session.save(tmp_path / "copy.swproj", anonymous=True, include_mesh=True)
+    session.merge(0, 80)
+    assert (session.path, session.is_saved) == (mine, True)
+    assert [path.name for path in tmp_path.glob("copy*")] == ["copy.swproj"]
+    for word in (b"somebody", socket.gethostname().encode(), b"scan.ply"):
+        assert word not in copy.read_bytes()
+    with sw.Session.open(copy) as again:
+        assert len(again.edits) == 1
+        assert again.to_frame()["time"].iloc[:-1].eq(pd.Timestamp(0, tz="UTC")).all()
+    with pytest.raises(ValueError, match="that this session works on; an anonymous copy needs another path"):
+        session.save(mine, anonymous=True)
+    with pytest.raises(ValueError, match="an anonymous copy needs a path"):
+        session.save(anonymous=True)
+    session.close()
