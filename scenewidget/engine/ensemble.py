@@ -9,19 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from scenewidget.engine.allocation import allocate
 from scenewidget.engine.distances import edge_costs
-from scenewidget.engine.felzenszwalb import join_light_edges
+from scenewidget.engine.felzenszwalb import join_along_seams, join_light_edges
 from scenewidget.engine.items import Items
-from scenewidget.engine.kmedoids import Init, Ties, alternate, initial_medoids
+from scenewidget.engine.kmedoids import Ties, alternate, initial_medoids
 from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
 from scenewidget.engine.monitor import SILENT, Monitor
 
-__all__ = ["felzenszwalb_members", "k_medoids_members", "merge_flat"]
+__all__ = ["MemberInit", "felzenszwalb_members", "k_medoids_members", "merge_flat"]
+
+MemberInit = Literal["random", "systematic", "sample", "outmost", "k-medoids++", "even"]
+SEAM_THRESHOLD = 3.0  # runs along whole seams: times as high, for a mean is more than the least
 
 
 def k_medoids_members(
@@ -31,7 +34,7 @@ def k_medoids_members(
     *,
     k_range: tuple[int, int],
     n_runs: int,
-    init: Init = "random",
+    init: MemberInit = "random",
     ties: Ties = "stay",
     merge: dict[str, float] | None = None,
     seed: int = 0,
@@ -50,7 +53,11 @@ def k_medoids_members(
         Of `allocation.component_shares`.
     k_range : (least, most)
     n_runs : int
-    init, ties : str
+    init : str
+        "even": one medoid in each of k equal parts of the surface, in the order of a curve that fills space,
+        and k spread evenly over its range by the runs, so that seeds differ little. Others are those of
+        `kmedoids.k_medoids`.
+    ties : str
         See `kmedoids.k_medoids`.
     merge : dict, optional
         Thresholds of `merge_flat`; None merges nothing.
@@ -84,14 +91,28 @@ def k_medoids_members(
     order = np.argsort(component, kind="stable")
     members = np.split(order, np.cumsum(size)[:-1])
 
+    curve = _curve(items)
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(2_000_000,)))
+    start = rng.random((len(distances), 1))
+    place = [
+        float(_evenly(np.array([i // len(distances)]), start[i % len(distances)])[0, 0])
+        for i in range(n_runs)
+    ]
+
     def run(i: int) -> IntArray:
         monitor.tick()
         rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(i,)))
         D = distances[i % len(distances)]
-        k = int(rng.integers(k_range[0], k_range[1] + 1))
+        if init == "even":
+            k = int(k_range[0] + place[i] * (k_range[1] + 1 - k_range[0]))
+        else:
+            k = int(rng.integers(k_range[0], k_range[1] + 1))
         medoids = []
         for inside, count in zip(members, allocate(k, share, size)):
-            if init == "random":
+            if init == "even":
+                along = inside[np.argsort(curve[inside])]
+                medoids.append(along[_by_area(items.areas[along], int(count), rng.random())])
+            elif init == "random":
                 medoids.append(rng.choice(inside, size=count, replace=False))
             else:
                 block = D if len(members) == 1 else np.ascontiguousarray(D[np.ix_(inside, inside)])
@@ -118,6 +139,10 @@ def felzenszwalb_members(
 ) -> IntArray:
     """Keys of Felzenszwalb runs on the graph of items, each with its own convex weight and threshold.
 
+    In every other run the weight between two pieces is the mean along their seam, see `join_along_seams`.
+    Convex weights and thresholds are spread evenly over their ranges by the runs of either kind, so that
+    seeds differ little.
+
     Parameters
     ----------
     items : Items
@@ -125,9 +150,9 @@ def felzenszwalb_members(
     cost_exponent : float
         C of `distances.edge_costs`.
     convex_weight : (low, high)
-        What a convex edge's weight is multiplied by, drawn evenly.
+        What a convex edge's weight is multiplied by.
     threshold : (low, high)
-        In square metres times weight, drawn evenly in its logarithm.
+        In square units of the scene times weight, spread in its logarithm.
     jitter : float
         Weights are multiplied by exp(jitter · N(0, 1)).
     hop : float
@@ -156,16 +181,62 @@ def felzenszwalb_members(
     monitor = monitor or SILENT
     costs = edge_costs(items.normals, items.pairs, a=1.0, b=-1.0, exponent=cost_exponent)
 
+    lengths = np.maximum(items.seam_edges, 1)
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(1_000_000,)))
+    places = np.empty((2, n_runs))
+    for kind in (0, 1):
+        places[:, kind::2] = _evenly(np.arange(len(range(kind, n_runs, 2))), rng.random(2))
+    low, high = np.log(threshold)
+
     def run(i: int) -> IntArray:
         monitor.tick()
-        rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(1_000_000 + i,)))
-        alpha = rng.uniform(*convex_weight)
-        c = float(np.exp(rng.uniform(*np.log(threshold))))
+        rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(1_000_001 + i,)))
+        alpha = convex_weight[0] + places[0, i] * (convex_weight[1] - convex_weight[0])
+        c = float(np.exp(low + places[1, i] * (high - low)))
         weights = np.where(items.is_convex, alpha * costs, costs) + hop
         weights = weights * np.exp(jitter * rng.standard_normal(len(weights)))
-        return join_light_edges(items.n, items.pairs, weights, threshold=c, sizes=items.areas)
+        if i % 2:
+            return join_along_seams(
+                items.pairs, weights, lengths, threshold=SEAM_THRESHOLD * c, sizes=items.sizes
+            )
+        return join_light_edges(items.n, items.pairs, weights, threshold=c, sizes=items.sizes)
 
     return _collect(run, n_runs, items.n, n_threads, monitor)
+
+
+def _evenly(place: IntArray, start: FloatArray) -> FloatArray:
+    """(n_dims, n) points that fill [0, 1)^n_dims evenly however many there are: place times a step, modulo 1.
+
+    The steps are powers of the root of x^(n_dims + 1) = x + 1, the golden ratio in one dimension (Kronecker's
+    sequence; Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+    """
+    n_dims = len(start)
+    root = 1.5
+    for _ in range(60):
+        root = (1.0 + root) ** (1.0 / (n_dims + 1))
+    steps = root ** -np.arange(1.0, n_dims + 1.0)
+    return np.asarray((start[:, None] + np.outer(steps, place)) % 1.0)
+
+
+def _curve(items: Items) -> IntArray:
+    """(n,) place of each item along a curve that fills space (Morton 1966): neighbours are mostly near."""
+    low = items.centroids.min(axis=0)
+    side = max(float(np.ptp(items.centroids, axis=0).max()), 1e-300)
+    cell = ((items.centroids - low) * (1023 / side)).astype(np.int64)
+    code = np.zeros(items.n, dtype=np.int64)
+    for bit in range(10):
+        for axis in range(3):
+            code |= ((cell[:, axis] >> bit) & 1) << (3 * bit + axis)
+    place = np.empty(items.n, dtype=np.int64)
+    place[np.argsort(code, kind="stable")] = np.arange(items.n)
+    return place
+
+
+def _by_area(areas: FloatArray, count: int, offset: float) -> IntArray:
+    """Positions of up to ``count`` items, one in each equal part of the area."""
+    ends = np.cumsum(areas)
+    marks = (np.arange(count) + offset) / count * ends[-1]
+    return np.unique(np.minimum(np.searchsorted(ends, marks), len(areas) - 1))
 
 
 def _collect(

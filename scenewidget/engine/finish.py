@@ -7,6 +7,8 @@ neighbour, and pieces of one thing joined (`furniture`).
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from scenewidget.engine.atoms import by_first_appearance
@@ -78,7 +80,13 @@ def finish(
         monitor=monitor,
     )
     if furniture < 1:
-        labels = join_furniture(items, labels, co, similarity=furniture)
+        labels = _island_by_island(
+            items,
+            labels,
+            lambda island, members, inner: join_furniture(
+                island, inner, co._replace(base=co.base[members]), similarity=furniture
+            ),
+        )
     return labels
 
 
@@ -106,7 +114,7 @@ def tidied(
     relief, contrast : float
         Least step of `separate_reliefs` and `separate_tints`; 0 parts nothing.
     min_area : float
-        Of `absorb_small`; 0 absorbs nothing.
+        Of `absorb_small`, square units of the scene; 0 absorbs nothing.
     n_threads : int
         Doesn't change the result.
     recall : Recall
@@ -130,15 +138,33 @@ def tidied(
     [0, 0, 0, 0]
     """
     monitor = monitor or SILENT
-    if planes:
-        labels = join_planes(items, labels)
-    monitor.tick()
-    if relief > 0:
-        labels = separate_reliefs(items, labels, step=relief, n_threads=n_threads, recall=recall)
-    monitor.tick()
-    if contrast > 0:
-        labels = separate_tints(items, labels, contrast=contrast, n_threads=n_threads, recall=recall)
-    return absorb_small(items, labels, min_area) if min_area > 0 else labels
+    keep = recall if len(items.islands) == 1 else compute
+
+    def run(island: Items, members: IntArray, labels: IntArray) -> IntArray:
+        if planes:
+            labels = join_planes(island, labels)
+        monitor.tick()
+        if relief > 0:
+            labels = separate_reliefs(island, labels, step=relief, n_threads=n_threads, recall=keep)
+        monitor.tick()
+        if contrast > 0:
+            labels = separate_tints(island, labels, contrast=contrast, n_threads=n_threads, recall=keep)
+        return absorb_small(island, labels, min_area * island.scale**2) if min_area > 0 else labels
+
+    return _island_by_island(items, labels, run)
+
+
+def _island_by_island(
+    items: Items, labels: IntArray, run: Callable[[Items, IntArray, IntArray], IntArray]
+) -> IntArray:
+    """Labels that ``run(island, members, labels)`` gives each island, as if it were alone."""
+    if len(items.islands) == 1:
+        return run(items, np.arange(items.n), labels)
+    out = np.full(items.n, -1, dtype=np.int32)
+    for members, island in items.islands:
+        inner = run(island, members, by_first_appearance(labels[members]))
+        out[members] = inner + int(out.max()) + 1
+    return out
 
 
 def connected_pieces(labels: IntArray, pairs: IntArray) -> IntArray:

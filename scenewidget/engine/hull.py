@@ -14,14 +14,16 @@ from scipy.spatial import cKDTree
 
 from scenewidget.engine.atoms import renumbered
 from scenewidget.engine.items import Items
-from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
-from scenewidget.engine.moments import mean_normals
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, connected_components
+from scenewidget.engine.moments import Moments, mean_normals
 
 __all__ = ["Planes", "join_planes", "segment_planes"]
 
 PARALLEL = 0.9  # Two normals agree whose dot product is at least this.
 UPRIGHT = 0.2  # The dot product of the normals of a wall and of the floor is at most this.
-ROUGHNESS = 0.08  # A piece of a wall lies within so many metres (root mean square) of its plane.
+ACROSS = 0.5  # The dot product of the normals of pieces of the hull that stand on each other is below this.
+LEAN = 0.02  # The plane of a piece of a floor leans by so much, 2 cm a metre, without the floor doing so.
+ROUGHNESS = 0.08  # A piece of a wall lies within so many units of the scene (root mean square) of its plane.
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +45,8 @@ class Planes:
     is_hull : (n,) bool
         Large, flat, and next to nothing of the scene behind it, or from the floor to the ceiling: behind the
         walls at the inner corner of an L is the other leg of the room.
+    is_room : bool
+        Whether two pieces of the hull stand on each other or face each other. One alone may be a table.
 
     Examples
     --------
@@ -62,6 +66,7 @@ class Planes:
     mean_normals: FloatArray
     roughness: FloatArray
     is_hull: BoolArray
+    is_room: bool
 
 
 def segment_planes(
@@ -82,16 +87,16 @@ def segment_planes(
     labels : (n_items,) int32
         Dense.
     min_area : float
-        Least area of a piece of the hull, m².
+        Least area of a piece of the hull, square units of the scene.
     behind, share_behind : float
-        Of the scene's area, other segments have at most this share more than ``behind`` metres behind the
-        plane of a piece of the hull.
+        Of the scene's area, other segments have at most this share more than ``behind`` units of the scene
+        behind the plane of a piece of the hull.
     lean : float
-        A metre to the side, behind begins so many metres further back: the plane of a piece of a bent
+        One unit to the side, behind begins so many units further back: the plane of a piece of a bent
         ceiling leans.
     gap : float
         How near to both floor and ceiling, the largest two pieces of the hull that face each other, a wall
-        comes that has more behind it, metres.
+        comes that has more behind it, units of the scene.
 
     Examples
     --------
@@ -103,6 +108,8 @@ def segment_planes(
     >>> segment_planes(items, np.arange(2)).is_hull.tolist()
     [True, True]
     """
+    s = items.scale
+    min_area, behind, gap = min_area * s**2, behind * s, gap * s
     n = int(labels.max(initial=-1)) + 1
     keep = labels >= 0
     moments = items.moments.gather(labels, n)
@@ -112,15 +119,15 @@ def segment_planes(
     normals = vectors[:, :, 0]
     normals = normals * np.where(np.einsum("ij,ij->i", normals, mean) < 0, -1.0, 1.0)[:, None]
     centroids, positions = moments.centroid, items.moments.centroid
-    is_hull = (moments.area >= min_area) & (roughness <= ROUGHNESS)
+    is_hull = (moments.area >= min_area) & (roughness <= ROUGHNESS * s)
     is_hull &= np.einsum("ij,ij->i", normals, mean) >= PARALLEL
     is_upright = is_hull.copy()
-    for s in np.flatnonzero(is_hull):
-        apart = positions - centroids[s]
-        depth = apart @ normals[s]
+    for h in np.flatnonzero(is_hull):
+        apart = positions - centroids[h]
+        depth = apart @ normals[h]
         aside = np.sqrt(np.maximum(np.einsum("ij,ij->i", apart, apart) - depth**2, 0.0))
-        is_behind = (depth < -behind - lean * aside) & (labels != s)
-        is_hull[s] = items.areas[is_behind].sum() <= share_behind * items.areas.sum()
+        is_behind = (depth < -behind - lean * aside) & (labels != h)
+        is_hull[h] = items.areas[is_behind].sum() <= share_behind * items.areas.sum()
     ends = _floor_and_ceiling(moments.area, normals, is_hull)
     is_upright &= len(ends) > 0
     for end in ends:
@@ -128,7 +135,10 @@ def segment_planes(
         least = np.full(n, np.inf)
         np.minimum.at(least, labels[keep], height[keep])
         is_upright &= (np.abs(normals @ normals[end]) < UPRIGHT) & (least < gap)
-    return Planes(moments.area, centroids, normals, mean, roughness, is_hull | is_upright)
+    is_hull |= is_upright
+    dots = normals[is_hull] @ normals[is_hull].T
+    is_room = bool((np.abs(dots) < ACROSS).any() or (dots < -PARALLEL).any())
+    return Planes(moments.area, centroids, normals, mean, roughness, is_hull, is_room)
 
 
 def _floor_and_ceiling(areas: FloatArray, normals: FloatArray, is_hull: BoolArray) -> tuple[int, ...]:
@@ -156,8 +166,11 @@ def join_planes(
 
     A seed is a piece of the room's hull. In order of area each seed takes the segments, other seeds
     included, whose mean normal agrees with its own and whose root mean square distance from its plane is
-    small; then those beside what it has so far that go on at the same height, for scans bend walls. What has
+    small; then those beside what it has so far that go on at the same height, for scans bend walls; of what
+    is farther off also those near the plane of both together, for the plane of a small seed leans. What has
     grown has another plane and another roughness: so pieces of the hull are compared again, until none joins.
+    Where the hull is no room (see `Planes.is_room`) only what touches is joined: of a table seen from one
+    side, nothing tells that what lies at its height beyond a gap is the same table.
 
     Parameters
     ----------
@@ -165,17 +178,17 @@ def join_planes(
     labels : (n_items,) int32
         Dense.
     min_seed_area : float
-        Square metres.
+        Square units of the scene, as all lengths here are in units of the scene.
     reach : (least, most)
         How far a segment may lie from the plane, and how high the step between it and what it goes on from
-        may be, metres: 1.5 times the seed's roughness between these.
+        may be: 1.5 times the seed's roughness between these.
     shell : float
-        Fusion leaves shells behind walls that face the other way; those up to this far behind (metres)
-        belong to the wall.
+        Fusion leaves shells behind walls that face the other way; those up to this far behind belong to the
+        wall.
     near : float
-        Widest gap over which a bent wall is followed, metres.
+        Widest gap over which a bent wall is followed.
     bend : float
-        Farthest that it is followed from the seed's plane, metres.
+        Farthest that it is followed from the seed's plane.
 
     Returns
     -------
@@ -194,8 +207,15 @@ def join_planes(
     >>> join_planes(items, np.arange(2)).tolist()
     [0, 0]
     """
+    s = items.scale
     join = partial(
-        _joined, items, min_seed_area=min_seed_area, reach=reach, shell=shell, near=near, bend=bend
+        _joined,
+        items,
+        min_seed_area=min_seed_area,
+        reach=(reach[0] * s, reach[1] * s),
+        shell=shell * s,
+        near=near * s,
+        bend=bend * s,
     )
     joined = join(labels, is_hull_only=False)
     while joined.max(initial=-1) < labels.max(initial=-1):
@@ -214,31 +234,68 @@ def _joined(
     bend: float,
     is_hull_only: bool,
 ) -> IntArray:
-    """One round of `join_planes`; dense labels, fewer where segments were joined."""
+    """One round of `join_planes`, lengths in metres; dense labels, fewer where segments were joined."""
     planes = segment_planes(items, labels, min_area=min_seed_area)
-    scatter = items.moments.gather(labels, len(planes.areas)).scatter
-    area = np.where(planes.areas > 0, planes.areas, 1.0)
-    group = np.arange(len(area))
-    is_free = np.ones(len(area), dtype=np.bool_)
+    moments = items.moments.gather(labels, len(planes.areas))
+    group = np.arange(len(planes.areas))
+    is_free = np.ones(len(group), dtype=np.bool_)
     may_join = planes.is_hull if is_hull_only else is_free.copy()
     for s in np.argsort(-planes.areas, kind="stable"):
         if not (is_free[s] and planes.is_hull[s]):
             continue
         normal = planes.normals[s]
         offset = (planes.centroids - planes.centroids[s]) @ normal
-        spread = np.maximum(np.einsum("i,nij,j->n", normal, scatter, normal) / area, 0.0)
-        distance = np.sqrt(offset**2 + spread)
+        distance = moments.distance(planes.centroids[s], normal)
         facing = planes.mean_normals @ normal
         step = float(np.clip(1.5 * planes.roughness[s], *reach))
         fits = is_free & may_join & (facing > PARALLEL)
         joins = fits & (distance < step)
         joins[s] = True
-        beside = fits & (distance < bend) & (planes.roughness < ROUGHNESS)
+        beside = fits & (distance < bend) & (planes.roughness < ROUGHNESS * items.scale)
         _follow(items, labels, joins, beside & ~joins, normal, step=step, near=near)
+        leaning = fits & ~joins & (_off_common_plane(moments, int(s), normal) < step)
+        joins |= leaning & (_gaps(items, labels, joins, leaning) > near)
         joins |= is_free & (facing < -PARALLEL) & (offset < 0) & (offset > -shell)
+        if not planes.is_room:
+            joins = _touching(items, labels, joins, int(s))
         group[joins] = s
         is_free &= ~joins
     return renumbered(group, labels)
+
+
+def _off_common_plane(moments: Moments, seed: int, normal: FloatArray) -> FloatArray:
+    """(n,) distance from the best plane of each segment and the seed, root mean square, of the farther;
+    infinite where it leans more than the seed's, whose ``normal`` is given, ever does by mistake.
+    """
+    both = Moments(
+        moments.area + moments.area[seed],
+        moments.first + moments.first[seed],
+        moments.second + moments.second[seed],
+    )
+    normals = both.principal()[1][:, :, 0]
+    seeds = Moments(*(np.broadcast_to(x[seed], x.shape) for x in vars(moments).values()))
+    farther = np.maximum(moments.distance(both.centroid, normals), seeds.distance(both.centroid, normals))
+    lean = np.sqrt(np.maximum(1.0 - (normals @ normal) ** 2, 0.0))
+    return np.where(lean <= LEAN, farther, np.inf)
+
+
+def _gaps(items: Items, labels: IntArray, joined: BoolArray, segments: BoolArray) -> FloatArray:
+    """(n,) metres from some segments to the nearest joined one, items taken for discs; 0 for the others."""
+    gap = np.where(segments, np.inf, 0.0)
+    if segments.any():
+        position, radius = items.moments.centroid, np.sqrt(items.areas / np.pi)
+        own = np.flatnonzero((labels >= 0) & joined[labels])
+        other = np.flatnonzero((labels >= 0) & segments[labels])
+        apart, nearest = cKDTree(position[own]).query(position[other])
+        np.minimum.at(gap, labels[other], apart - radius[other] - radius[own[nearest]])
+    return gap
+
+
+def _touching(items: Items, labels: IntArray, joins: BoolArray, seed: int) -> BoolArray:
+    """Of segments that would join, those that a chain of touching ones leads to from the seed."""
+    ends = items.touching(np.where(joins[labels], labels, -1)).labels
+    _, component = connected_components(len(joins), ends)
+    return np.asarray(joins & (component == component[seed]))
 
 
 def _follow(

@@ -9,9 +9,10 @@ back to the raw faces exactly, and nothing is thrown away to get down to a size 
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -32,10 +33,15 @@ from scenewidget.engine.mesh import (
 from scenewidget.engine.moments import Moments, face_moments, mean_normals, moment_origin
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.preprocess import filter_normals, simplify
+from scenewidget.engine.scale import far_apart, geometric_order, scene_scale
 
 __all__ = ["Items", "Touching", "find_bridges", "patch_items", "simplified_items", "superfacet_items"]
 
 T = TypeVar("T", bound=np.generic)
+
+FEWEST_ITEMS = 1_000  # that there is room for, however small the scene
+SCENE = 0.05  # of the scan's area; what is smaller and floats far off is looked at with the largest island
+WORST = ("area of the smallest superfacet", "sweeps of the normal filter")  # of all islands the most
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +98,10 @@ class Items:
         Item of each face of the mesh as loaded, −1 where it was dropped.
     report : dict
         What was reached and dropped.
+    island : (n,) int32
+        Items of different islands are so far apart that they are scenes of their own.
+    scales : (n_islands,) float64
+        Metres in a unit of each island's scene; see `scale.scene_scale`.
 
     Examples
     --------
@@ -116,8 +126,12 @@ class Items:
     item_of_face: IntArray
     face_map: IntArray
     report: dict[str, Any] = field(default_factory=dict)
+    island: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int32))
+    scales: FloatArray = field(default_factory=lambda: np.ones(1))
 
     def __post_init__(self) -> None:
+        if len(self.island) != len(self.areas):
+            object.__setattr__(self, "island", np.zeros(len(self.areas), dtype=np.int32))
         for value in vars(self).values():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
@@ -129,6 +143,45 @@ class Items:
     def n(self) -> int:
         """Number of items."""
         return len(self.areas)
+
+    @property
+    def scale(self) -> float:
+        """Metres in a unit of the scene, where there is one island; of the largest otherwise."""
+        return float(self.scales[0])
+
+    @cached_property
+    def sizes(self) -> FloatArray:
+        """(n,) areas in square units of each item's scene."""
+        return np.asarray(self.areas / self.scales[self.island] ** 2)
+
+    @cached_property
+    def islands(self) -> tuple[tuple[IntArray, Items], ...]:
+        """Members, (n_members,) ascending, and items of each island."""
+        if len(self.scales) == 1:
+            return ((np.arange(self.n), self),)
+        return tuple((np.flatnonzero(self.island == i), self._part(i)) for i in range(len(self.scales)))
+
+    def _part(self, island: int) -> Items:
+        inside = self.island == island
+        number = np.append(np.where(inside, np.cumsum(inside) - 1, -1), -1).astype(np.int32)
+        is_inner = inside[self.pairs].all(axis=1)
+        pair = np.where(is_inner, np.cumsum(is_inner) - 1, -1)[self.seam_pair].astype(np.int32)
+        return dataclasses.replace(
+            self,
+            areas=self.areas[inside],
+            centroids=self.centroids[inside],
+            normals=self.normals[inside],
+            moments=Moments(
+                self.moments.area[inside], self.moments.first[inside], self.moments.second[inside]
+            ),
+            pairs=number[self.pairs[is_inner]],
+            seam_pair=pair[pair >= 0],
+            seam_dot=self.seam_dot[pair >= 0],
+            item_of_face=number[self.item_of_face],
+            face_map=number[self.face_map],
+            island=np.zeros(int(inside.sum()), dtype=np.int32),
+            scales=self.scales[island : island + 1],
+        )
 
     @cached_property
     def lengths(self) -> FloatArray:
@@ -217,7 +270,14 @@ class Items:
         return Touching(ends[crossing], self.seam_edges[crossing])
 
 
-def simplified_items(mesh: Mesh, pairs: IntArray, *, monitor: Monitor | None = None, **options: Any) -> Items:
+def simplified_items(
+    mesh: Mesh,
+    pairs: IntArray,
+    *,
+    scale: float | Literal["auto"] = 1.0,
+    monitor: Monitor | None = None,
+    **options: Any,
+) -> Items:
     """Faces of the simplified mesh as items; ``options`` are those of `preprocess.simplify`.
 
     Parameters
@@ -225,6 +285,8 @@ def simplified_items(mesh: Mesh, pairs: IntArray, *, monitor: Monitor | None = N
     mesh : Mesh
     pairs : (n_pairs, 2) int32
         `face_adjacency` of the mesh.
+    scale : float or "auto"
+        Metres in a unit of the scene; "auto" is `scale.scene_scale`.
     monitor : Monitor, optional
         Told how far it is; stops it on cancel.
     **options
@@ -242,8 +304,14 @@ def simplified_items(mesh: Mesh, pairs: IntArray, *, monitor: Monitor | None = N
     simplified = simplify(mesh, pairs, monitor=monitor, **options)
     small = simplified.mesh
     item_of_face = np.arange(small.n_faces, dtype=np.int32)
+    s = scene_scale(float(mesh.face_areas.sum())) if scale == "auto" else float(scale)
     return patch_items(
-        small, item_of_face, pairs=simplified.pairs, face_map=simplified.face_map, report=simplified.report
+        small,
+        item_of_face,
+        pairs=simplified.pairs,
+        face_map=simplified.face_map,
+        report=simplified.report,
+        scales=np.array([s]),
     )
 
 
@@ -251,34 +319,43 @@ def superfacet_items(
     mesh: Mesh,
     pairs: IntArray,
     *,
+    scale: float | Literal["auto"] = "auto",
     n_items: int = 6_000,
-    sweeps: int = 30,
-    threshold: float = 0.001,
-    min_faces: int = 30,
+    item_area: float = 0.003,
+    sweeps: int | Literal["auto"] = "auto",
+    threshold: float = 1e-7,
     bridge: float = 0.06,
+    apart: float = 1.0,
     monitor: Monitor | None = None,
 ) -> Items:
     """Superfacets of the raw mesh as items.
 
-    Felzenszwalb's rule on filtered normals, w = 1 − N_i·N_j, over adjacent faces and bridges between
-    fragments; the minimum size is raised by 1.4 until at most ``n_items`` are left. Fragments below it that
-    float free of everything are dropped, except for the largest where 90 % of the faces can't be had without.
+    Felzenszwalb's rule on filtered normals, w = |N_i − N_j|² / 2, over adjacent faces and bridges between
+    fragments, sized by area, so that finer faces don't give smaller items; the minimum size is raised by 1.4
+    until they are few enough. Fragments below it that float free of everything are dropped, except for the
+    largest where 90 % of the faces can't be had without.
+    Parts of the mesh that are far apart are islands: each has superfacets as it would have alone. The order
+    of the faces changes nothing.
 
     Parameters
     ----------
     mesh : Mesh
     pairs : (n_pairs, 2) int32
         `face_adjacency` of the mesh.
+    scale : float or "auto"
+        Metres in a unit of the scene; "auto" is `scale.scene_scale` of each island.
     n_items : int
         Most items.
-    sweeps : int
-        Of `preprocess.filter_normals`.
+    item_area : float
+        What an item has at least, square units of the scene.
+    sweeps : int or "auto"
+        Of `preprocess.filter_normals`; "auto" is `sweeps_for`.
     threshold : float
-        Of `join_light_edges`, on the number of faces.
-    min_faces : int
-        Smallest superfacet at first; less on meshes with fewer than ``min_faces * n_items`` faces.
+        Of `join_light_edges`, in square units of the scene.
     bridge : float
-        Fragments whose borders are at most this far apart (metres) count as neighbours.
+        Fragments whose borders are at most so far apart count as neighbours, units of the scene.
+    apart : float
+        Islands are at least so far apart, units of the scene.
     monitor : Monitor, optional
         Told how far it is; stops it on cancel.
 
@@ -294,42 +371,147 @@ def superfacet_items(
     (True, 1.0)
     """
     monitor = monitor or SILENT
-    if not mesh.face_areas.any():
+    total = float(mesh.face_areas.sum())
+    if not total > 0:
         raise MeshError("the mesh has no face with an area: it has no surface to segment")
+    order = geometric_order(mesh)
+    place = np.empty(mesh.n_faces, dtype=np.int32)
+    place[order] = np.arange(mesh.n_faces, dtype=np.int32)
+    pairs = np.sort(place[pairs], axis=1)
+    pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+    ordered = Mesh(mesh.vertices, mesh.faces[order], mesh.vertex_colors)
+    whole = scene_scale(total) if scale == "auto" else float(scale)
+    island = monitor.call(far_apart, ordered, pairs, apart * whole)
+    areas = np.bincount(island, ordered.face_areas)
+    island = np.where(areas[island] >= max(SCENE, 100 / n_items) * total, island, 0).astype(np.int32)
+    areas = np.bincount(island, ordered.face_areas)
+    scales = np.array([scene_scale(float(area)) if scale == "auto" else whole for area in areas])
+    item, face_map = np.empty(mesh.n_faces, np.int32), np.empty(mesh.n_faces, np.int32)
+    normals = np.empty((mesh.n_faces, 3), np.float32)
+    links: list[IntArray] = []
+    homes: list[IntArray] = []
+    report: dict[str, Any] = {"metres in a unit of the scene": [round(float(s), 4) for s in scales]}
+    for i, s in enumerate(scales):
+        faces = np.flatnonzero(island == i)
+        inner = pairs
+        if len(scales) > 1:
+            number = np.empty(mesh.n_faces, dtype=np.int32)
+            number[faces] = np.arange(len(faces), dtype=np.int32)
+            inner = number[pairs[island[pairs[:, 0]] == i]]
+        made = _superfacets(
+            Mesh(mesh.vertices, ordered.faces[faces]) if len(scales) > 1 else ordered,
+            inner,
+            n_items=max(2, round(n_items * float(areas[i] / total))),
+            item_area=item_area * s**2,
+            sweeps=sweeps,
+            threshold=threshold * s**2,
+            bridge=bridge * s,
+            scale=s,
+            monitor=monitor,
+        )
+        offset = sum(len(h) for h in homes)
+        item[faces] = np.where(made.item >= 0, made.item + offset, -1)
+        face_map[faces] = np.where(made.face_map >= 0, made.face_map + offset, -1)
+        normals[faces] = made.normals
+        links.append(faces[made.links])
+        homes.append(np.full(int(made.item.max()) + 1, i, dtype=np.int32))
+        for name, value in made.report.items():
+            report[name] = max(report.get(name, 0), value) if name in WORST else report.get(name, 0) + value
+    items = monitor.call(
+        patch_items,
+        ordered,
+        item,
+        pairs=np.concatenate(links),
+        normals=normals,
+        face_map=face_map,
+        report=report,
+        island=np.concatenate(homes),
+        scales=scales,
+    )
+    return dataclasses.replace(items, mesh=mesh, item_of_face=item[place], face_map=face_map[place])
+
+
+class _Superfacets(NamedTuple):
+    item: IntArray  # of each face, −1 where dropped
+    face_map: IntArray  # the same with specks given to the nearest superfacet
+    normals: FloatArray  # of the faces, filtered
+    links: IntArray  # neighbouring faces, bridges included
+    report: dict[str, float]
+
+
+def sweeps_for(edge: float) -> int:
+    """Sweeps of the normal filter that reach as far on any mesh: (0.11 / edge)², from 30 to 200.
+
+    Noise reaches as far as the scanner's blur, some centimetres in a room, not some faces.
+
+    Parameters
+    ----------
+    edge : float
+        Length of an edge, units of the scene.
+
+    Examples
+    --------
+    >>> [sweeps_for(edge) for edge in (0.03, 0.011, 0.001)]
+    [30, 100, 200]
+    """
+    return int(np.clip((0.11 / max(edge, 1e-9)) ** 2, 30, 200))
+
+
+def _superfacets(
+    mesh: Mesh,
+    pairs: IntArray,
+    *,
+    n_items: int,
+    item_area: float,
+    sweeps: int | Literal["auto"],
+    threshold: float,
+    bridge: float,
+    scale: float,
+    monitor: Monitor,
+) -> _Superfacets:
+    """Of an island; areas and lengths in metres."""
+    if sweeps == "auto":
+        sweeps = sweeps_for(float(np.sqrt(2.0 * np.median(mesh.face_areas))) / scale)
     normals = filter_normals(mesh, pairs, sweeps=sweeps, monitor=monitor)
     monitor.tick(0.5)
     bridges = monitor.call(find_bridges, mesh, pairs, bridge)
     links = np.concatenate([pairs, bridges])
-    i, j = links.T
-    weights = (1.0 - np.einsum("ij,ij->i", normals[i], normals[j])).astype(np.float32)
+    steps = normals[links[:, 0]] - normals[links[:, 1]]
+    weights = 0.5 * np.einsum("ij,ij->i", steps, steps)  # 1 − N_i·N_j, whose digits float32 would lose
     order = monitor.call(np.argsort, weights, kind="stable")
     monitor.tick(0.7)
-    size = float(min(min_faces, max(1, mesh.n_faces // n_items)))
-    crumb = size * float(np.median(mesh.face_areas))
+    areas, smallest = mesh.face_areas, min(item_area, float(mesh.face_areas.sum()) / FEWEST_ITEMS)
     while True:
         label = monitor.call(
-            join_light_edges, mesh.n_faces, links, weights, threshold=threshold, min_size=size, order=order
+            join_light_edges,
+            mesh.n_faces,
+            links,
+            weights,
+            threshold=threshold,
+            min_size=smallest,
+            sizes=areas,
+            order=order,
         )
-        count, area = np.bincount(label), np.bincount(label, mesh.face_areas).astype(np.float64)
-        # what is still below the minimum has no neighbour within reach: crumbs that float in the air
-        is_kept = ((count >= size) | (area >= crumb)) & (area > 0)
-        if is_kept.sum() <= n_items or size > mesh.n_faces:
+        count, area = np.bincount(label), np.bincount(label, areas).astype(np.float64)
+        is_kept = (
+            area >= smallest
+        )  # what is below has no neighbour within reach: crumbs that float in the air
+        if is_kept.sum() <= n_items:
             break
-        size *= 1.4
+        smallest *= 1.4
         monitor.tick(0.8)
     is_kept = _with_crumbs(is_kept, count, area, n_items)
     item = np.where(is_kept, np.cumsum(is_kept) - 1, -1).astype(np.int32)[label]
     face_map = monitor.call(_with_specks, mesh, item, bridge)
     report = {
         "superfacets": int(is_kept.sum()),
-        "smallest superfacet in faces": int(size),
+        "area of the smallest superfacet": float(smallest),
+        "sweeps of the normal filter": sweeps,
         "faces of specks given to the nearest superfacet": int((face_map != item).sum()),
         "faces floating free of everything": int((face_map < 0).sum()),
         "bridges between fragments": len(bridges),
     }
-    return monitor.call(
-        patch_items, mesh, item, pairs=links, normals=normals, face_map=face_map, report=report
-    )
+    return _Superfacets(item, face_map, normals, links, report)
 
 
 def patch_items(
@@ -340,6 +522,8 @@ def patch_items(
     normals: FloatArray | None = None,
     face_map: IntArray | None = None,
     report: dict[str, Any] | None = None,
+    island: IntArray | None = None,
+    scales: FloatArray | None = None,
 ) -> Items:
     """Given patches as items: sums over their faces, and the graph of patches from the graph of faces.
 
@@ -356,6 +540,9 @@ def patch_items(
     face_map : (n_raw_faces,) int32, optional
         Patch of each face of the mesh as loaded, where that is another mesh or has more faces in patches.
     report : dict, optional
+    island : (n_patches,) int32, optional
+    scales : (n_islands,) float64, optional
+        See `Items`.
 
     Examples
     --------
@@ -382,6 +569,8 @@ def patch_items(
     return Items(
         moments.area, centroids, item_normals, moments, pairs, seam_pair.astype(np.int32), seam_dot,
         mesh, item_of_face, item_of_face if face_map is None else face_map, report or {},
+        np.zeros(n, dtype=np.int32) if island is None else island,
+        np.ones(1) if scales is None else scales,
     )  # fmt: skip
 
 

@@ -78,6 +78,20 @@ class Moments:
         values, vectors = np.linalg.eigh(self.scatter)
         return np.maximum(values, 0.0), vectors
 
+    def distance(self, point: FloatArray, normal: FloatArray) -> FloatArray:
+        """(n,) root mean square distance from a plane, metres; 0 for pieces without area.
+
+        Parameters
+        ----------
+        point, normal : (3,) or (n, 3) float
+            Of one plane, or one for each piece; the normals are unit vectors.
+        """
+        normal = np.broadcast_to(normal, self.first.shape)
+        offset = np.einsum("ij,ij->i", self.centroid - point, normal)
+        spread = np.einsum("ni,nij,nj->n", normal, self.scatter, normal)
+        area = np.where(self.area > 0, self.area, 1.0)
+        return np.asarray(np.sqrt(offset**2 * (self.area > 0) + np.maximum(spread / area, 0.0)))
+
     def flatness(self) -> FloatArray:
         """(n,) smallest over largest eigenvalue of the scatter: 0 is a plane; 0 where there is no area."""
         values, _ = self.principal()

@@ -17,7 +17,8 @@ from scenewidget.engine.allocation import Allocation
 from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.consensus import Leftover
 from scenewidget.engine.dihedral import SlotMapping
-from scenewidget.engine.kmedoids import Init, Ties
+from scenewidget.engine.ensemble import MemberInit
+from scenewidget.engine.kmedoids import Ties
 from scenewidget.engine.orientation import Orientation
 from scenewidget.engine.preprocess import Simplifier
 
@@ -38,12 +39,14 @@ CHOICES: dict[str, tuple[Any, ...]] = {  # what options that are one of a few wo
     "laplacian": ("cotangent", "robust"),
     "dihedral_order": ("index", "area"),
     "allocation": get_args(Allocation),
-    "init": get_args(Init),
+    "init": get_args(MemberInit),
     "consensus": get_args(Consensus),
     "leftover": get_args(Leftover),
 }
 _RANGES: dict[str, tuple[float, float]] = {  # inclusive
+    "scale": (1e-6, 1e6),
     "n_items": (2, 40_000),
+    "item_area": (0, math.inf),
     "filter_sweeps": (0, 1_000),
     "bridge": (0, math.inf),
     "n_slots": (2, 100_000),
@@ -122,8 +125,14 @@ class Params:
         "gps", "hks", "wks" signatures; "normals" leaves it to the cost alone. Thesis: "cotangent".
     items : str
         "superfacets" of the raw mesh, or faces of the "simplified" one. Thesis: "simplified".
+    scale : float or "auto"
+        Metres in a unit of the scene. "auto" is that of `scale.scene_scale`: 1 for rooms, less for what is
+        smaller, so that a table top is seen as a room is; parts of the scan that are far apart have units of
+        their own. All other lengths here count in this unit, areas in its square. Thesis: 1, all in metres.
     n_items : int
         Most items. Thesis: 10 000.
+    item_area : float
+        What a superfacet has at least, square units of the scene.
     simplifier : str
         "fast" or "qslim", both by quadric error metrics; see `preprocess.simplify`. The thesis took Garland's
         QSlim; `thesis` takes "fast", and says why.
@@ -135,10 +144,11 @@ class Params:
         face area stay unlabeled.
     orientation : str
         Which side is free space: "auto", "as given" or "turned"; see `orientation.oriented`.
-    filter_sweeps : int
-        Sweeps of the normal filter under the superfacets.
+    filter_sweeps : int or "auto"
+        Sweeps of the normal filter under the superfacets; "auto" reaches as far on any mesh, see
+        `items.sweeps_for`.
     bridge : float
-        Fragments this close (metres) are neighbours, superfacets only.
+        Fragments this close (units of the scene) are neighbours, superfacets only.
     n_slots : int
         D of the dihedral-based partitioning (thesis 3.1).
     slot_mapping : str
@@ -162,14 +172,14 @@ class Params:
     n_graph_runs : int
         Felzenszwalb runs at random thresholds that join the ensemble. Thesis: 0.
     init : str
-        Initial medoids; see `kmedoids.k_medoids`.
+        Initial medoids: "even" over the surface, or a way of `kmedoids.k_medoids`. Thesis: "random".
     medoid_ties : str
         Which of several members with the least sum of distances becomes the medoid: "first", or "stay" where
         it is; see `kmedoids.k_medoids`. Thesis: "first".
     allocation : str
-        How k and S are shared out over components: by "dihedral" partitions, by "faces" (items), or the
-        "same" for each (thesis 3.1 names all three); or by the dihedral partitions of the "raw" mesh
-        (its chapter 5 expects more of them).
+        How k and S are shared out over components: by "area", by "dihedral" partitions, by "faces"
+        (items), or the "same" for each; or by the dihedral partitions of the "raw" mesh (the thesis'
+        chapter 5 expects more of them). Thesis 3.1 names all but the first and last. Thesis: "dihedral".
     merge : bool
         Whether runs are merged over planes before they join the ensemble (thesis: yes).
     merge_flatness, merge_normal, merge_seam : float
@@ -183,8 +193,8 @@ class Params:
     join_planes : bool
         Whether pieces of one wall or floor are joined, those that don't touch too. Thesis: no.
     relief : float
-        What stands out of a wall or floor by a step of this height (metres) is a segment of its own: doors,
-        pictures, carpets. 0 leaves them with the wall, as in the thesis.
+        What stands out of a wall or floor by a step of this height (units of the scene) is a segment of
+        its own: doors, pictures, carpets. 0 leaves them with the wall, as in the thesis.
     contrast : float
         Where the scan has colours, what differs in tint from the wall or floor round it by so much is a
         segment of its own, too; see `Items.face_tints`. 0 looks at no colours, as in the thesis.
@@ -192,7 +202,7 @@ class Params:
         Mean co-association down to which segments that touch are joined where they are no wall, floor or
         ceiling: a cut that keeps doors from walls leaves sofas in pieces. 1 joins none. Thesis: 1.
     min_area : float
-        Segments below this area (m²) go to a neighbour. Thesis: 0.
+        Segments below this area (square units of the scene) go to a neighbour. Thesis: 0.
     granularity : int, optional
         Cut the nested family of segmentations (see `Pipeline.family`) that runs through the result where it
         has so many segments, or as near as it gets. None: the result as it is.
@@ -213,19 +223,21 @@ class Params:
     TypeError: Params has no option 'n_segment'; did you mean 'n_segments'?
     """
 
-    n_segments: int | Literal["auto"] = 50
+    n_segments: int | Literal["auto"] = "auto"
     k_range: tuple[int, int] | None = None
     cost_exponent: float = 1.0
     cost_a: float = 1.0
     cost_b: float = -1.0
     feature: Feature = "normals"
     items: ItemKind = "superfacets"
+    scale: float | Literal["auto"] = "auto"
     n_items: int = 6_000
+    item_area: float = 0.003
     simplifier: Simplifier = "fast"
     drop_torn: bool = False
     tolerance: float = 2.0
     orientation: Orientation = "auto"
-    filter_sweeps: int = 30
+    filter_sweeps: int | Literal["auto"] = "auto"
     bridge: float = 0.06
     n_slots: int = 64
     slot_mapping: SlotMapping = "linear"
@@ -236,16 +248,16 @@ class Params:
     hop: float = 0.02
     convex_weights: tuple[float, ...] = (0.05, 0.2, 1.0)
     n_runs: int = 30
-    n_graph_runs: int = 60
-    init: Init = "random"
+    n_graph_runs: int = 80
+    init: MemberInit = "even"
     medoid_ties: Ties = "stay"
-    allocation: Allocation = "dihedral"
+    allocation: Allocation = "area"
     merge: bool = False
     merge_flatness: float = 0.008
     merge_normal: float = 0.99
     merge_seam: float = 0.99
     consensus: Consensus = "linkage"
-    linkage_similarity: float = 0.7
+    linkage_similarity: float = 0.6
     leftover: Leftover = "alone"
     join_planes: bool = True
     relief: float = 0.008
@@ -303,13 +315,16 @@ class Params:
             "cost_exponent": 1.5,
             "feature": "cotangent",
             "items": "simplified",
+            "scale": 1.0,
             "n_items": 10_000,
             "feature_floor": 0.0,
             "hop": 0.0,
             "convex_weights": (1.0,),
             "n_runs": 50,
             "n_graph_runs": 0,
+            "init": "random",
             "medoid_ties": "first",
+            "allocation": "dihedral",
             "merge": True,
             "consensus": "peac",
             "join_planes": False,
@@ -352,9 +367,9 @@ class Params:
             if not isinstance(value, bool):
                 raise TypeError(f"{name} must be True or False, got {value!r}")
             return value
+        if name in ("n_segments", "scale", "filter_sweeps") and isinstance(value, str) and value == "auto":
+            return value
         if name == "n_segments":
-            if value == "auto":
-                return value
             return _whole(name, value, 1, 10_000)
         if name == "granularity":
             return value if value is None else _whole(name, value, 1, 1_000_000)

@@ -11,6 +11,7 @@ import numba
 import numpy as np
 
 from scenewidget.engine.mesh import IntArray
+from scenewidget.engine.seam_lists import insert, remove
 from scenewidget.engine.wall_map import Seams
 
 __all__ = ["merged_regions"]
@@ -53,8 +54,7 @@ def merged_regions(n_regions: int, seams: Seams) -> IntArray:
 def _merge(parent, pairs, sums, length):  # type: ignore[no-untyped-def]
     """Sets the parent of each node that is joined to another; the sums are overwritten.
 
-    Each seam is in the lists of both its ends, as entry 2 s in that of its first and 2 s + 1 in that of its
-    second end; the sums are first those of the steps, from the first to the second, then those of the ridges.
+    The sums are first those of the steps, from the first to the second end, then those of the ridges.
     """
     n, m, n_values = len(parent), len(pairs), sums.shape[1] // 2
     ends = pairs.copy()
@@ -65,7 +65,7 @@ def _merge(parent, pairs, sums, length):  # type: ignore[no-untyped-def]
     seam_to = np.full(n, -1)  # from the node at hand
     for s in range(m):
         for side in range(2):
-            _insert(head, after, before, ends[s, side], 2 * s + side)
+            insert(head, after, before, ends[s, side], 2 * s + side)
             degree[ends[s, side]] += 1
     heap = [(_doubt(sums, length, s), ends[s, 0], ends[s, 1], s, 0) for s in range(m)]
     heapq.heapify(heap)
@@ -78,7 +78,7 @@ def _merge(parent, pairs, sums, length):  # type: ignore[no-untyped-def]
         parent[j] = i
         turn[s] = -1
         for side in range(2):
-            _remove(head, after, before, ends[s, side], 2 * s + side)
+            remove(head, after, before, ends[s, side], 2 * s + side)
             degree[ends[s, side]] -= 1
         entry = head[i]
         while entry >= 0:
@@ -96,12 +96,12 @@ def _merge(parent, pairs, sums, length):  # type: ignore[no-untyped-def]
                 sums[old, n_values:] += sums[s, n_values:]
                 length[old] += length[s]
                 turn[s] = -1
-                _remove(head, after, before, k, 2 * s + 1 - side)
+                remove(head, after, before, k, 2 * s + 1 - side)
                 degree[k] -= 1
                 s = old
             else:
                 ends[s, side] = i
-                _insert(head, after, before, i, entry)
+                insert(head, after, before, i, entry)
                 degree[i] += 1
             turn[s] += 1
             heapq.heappush(heap, (_doubt(sums, length, s), i, k, s, turn[s]))
@@ -115,22 +115,3 @@ def _merge(parent, pairs, sums, length):  # type: ignore[no-untyped-def]
 @numba.njit(cache=True, nogil=True)
 def _doubt(sums, length, s):  # type: ignore[no-untyped-def]
     return np.abs(sums[s]).max() / length[s] + DOUBT / length[s] ** 0.5
-
-
-@numba.njit(cache=True, nogil=True)
-def _insert(head, after, before, node, entry):  # type: ignore[no-untyped-def]
-    """Put an entry at the head of a node's list."""
-    after[entry], before[entry] = head[node], -1
-    if head[node] >= 0:
-        before[head[node]] = entry
-    head[node] = entry
-
-
-@numba.njit(cache=True, nogil=True)
-def _remove(head, after, before, node, entry):  # type: ignore[no-untyped-def]
-    if before[entry] >= 0:
-        after[before[entry]] = after[entry]
-    else:
-        head[node] = after[entry]
-    if after[entry] >= 0:
-        before[after[entry]] = before[entry]

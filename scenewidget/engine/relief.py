@@ -55,11 +55,11 @@ def separate_reliefs(
     labels : (n_items,) int32
         Dense.
     step : float
-        Least mean height of the step, or of the ridge, along a region's seam, metres.
+        Least mean height of the step, or of the ridge, along a region's seam, units of the scene.
     min_area : float
-        Least area of such a region, m².
+        Least area of such a region, square units of the scene.
     cell : float
-        Side of the map's cells, metres; more where faces are larger.
+        Side of the map's cells, units of the scene; more where faces are larger.
     n_threads : int
         Doesn't change the result.
     recall : Recall
@@ -86,7 +86,8 @@ def separate_reliefs(
     >>> round(float(items.areas[labels == 1].sum()), 1)
     0.8
     """
-    return _separated(items, labels, None, step, min_area, cell, n_threads, recall)
+    s = items.scale
+    return _separated(items, labels, None, step * s, min_area * s**2, cell * s, n_threads, recall)
 
 
 def separate_tints(
@@ -131,7 +132,8 @@ def separate_tints(
     tints = items.face_tints
     if tints is None:
         return labels
-    return _separated(items, labels, tints, contrast, min_area, cell, n_threads, recall)
+    s = items.scale
+    return _separated(items, labels, tints, contrast, min_area * s**2, cell * s, n_threads, recall)
 
 
 def _separated(
@@ -144,7 +146,10 @@ def _separated(
     n_threads: int,
     recall: Recall,
 ) -> IntArray:
-    """Regions parted by (n_values, n_faces) values of the faces; by their heights over the wall for None."""
+    """Regions parted by (n_values, n_faces) values of the faces; by their heights over the wall for None.
+
+    Lengths are in metres here.
+    """
     planes = segment_planes(items, labels)
     inside = items.normals @ planes.normals[planes.is_hull].T > FACING
     walls = [

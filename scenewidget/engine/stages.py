@@ -30,7 +30,7 @@ from scenewidget.engine.distances import (
     warn_of_vanishing_features,
     weight_graph,
 )
-from scenewidget.engine.ensemble import felzenszwalb_members, k_medoids_members
+from scenewidget.engine.ensemble import MemberInit, felzenszwalb_members, k_medoids_members
 from scenewidget.engine.family import Family, fine_pieces, make_family
 from scenewidget.engine.features import (
     delta_coordinates,
@@ -40,7 +40,7 @@ from scenewidget.engine.features import (
 )
 from scenewidget.engine.finish import finish, tidied
 from scenewidget.engine.items import Items, simplified_items, superfacet_items
-from scenewidget.engine.kmedoids import Init, Ties
+from scenewidget.engine.kmedoids import Ties
 from scenewidget.engine.linkage import average_linkage, cut_by_count, cut_tree
 from scenewidget.engine.memo import Recall
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, face_adjacency
@@ -156,10 +156,11 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
     step("adjacency", _adjacency, "mesh")
     if p.items == "superfacets":
         step("items", _superfacets, "mesh", "adjacency", variant="superfacets",
-             orientation=p.orientation, n_items=p.n_items, sweeps=p.filter_sweeps, bridge=p.bridge)
+             orientation=p.orientation, scale=p.scale, n_items=p.n_items, item_area=p.item_area,
+             sweeps=p.filter_sweeps, bridge=p.bridge)
     else:
         step("items", _simplified, "mesh", "adjacency", variant="simplified",
-             orientation=p.orientation, n_faces=p.n_items, simplifier=p.simplifier,
+             orientation=p.orientation, scale=p.scale, n_faces=p.n_items, simplifier=p.simplifier,
              drop_torn=p.drop_torn, tolerance=p.tolerance)
     slots: dict[str, Any] = {"n_slots": p.n_slots, "mapping": p.slot_mapping, "order": p.dihedral_order}
     step("dihedral", _dihedral, "items", **slots)
@@ -330,7 +331,7 @@ def _ensemble(
     monitor: Monitor,
     k_range: tuple[int, int],
     n_runs: int,
-    init: Init,
+    init: MemberInit,
     ties: Ties,
     seed: int,
     merge: tuple[float, float, float] | None,

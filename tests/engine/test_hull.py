@@ -1,5 +1,7 @@
 """Walls joined, also bent ones, on scenes made by hand."""
 
+import dataclasses
+
 import numpy as np
 import shapes
 from patches import scene, sheet
@@ -8,9 +10,39 @@ from scenewidget.engine.hull import join_planes, segment_planes
 from scenewidget.engine.mesh import Mesh
 
 
+def wall(x=-1.0, width=4.0, height=2.0):
+    """Looks along x, so that the floors here are those of a room."""
+    square = shapes.grid_square(6)
+    u, v, _ = square.vertices.T
+    return Mesh(np.stack([np.full(len(u), x), width * u, height * v], axis=1), square.faces)
+
+
 def test_two_pieces_of_a_floor_become_one():
-    items, part = scene(sheet((0, 0, 0), (2, 2)), sheet((3, 0, 0.01), (2, 1)), sheet((0, 3, 0.8), (1, 1)))
-    assert join_planes(items, part).tolist() == np.where(part == 2, 1, 0).tolist()
+    floors = sheet((0, 0, 0), (2, 2)), sheet((3, 0, 0.01), (2, 1)), sheet((0, 3, 0.8), (1, 1))
+    items, part = scene(*floors, wall())
+    assert join_planes(items, part).tolist() == np.array([0, 0, 1, 2])[part].tolist()
+
+
+def test_beside_a_table_without_a_room_nothing_is_joined_over_a_gap():
+    parts = sheet((0, 0, 0), (2, 2)), sheet((3, 0, 0.01), (2, 1))
+    assert len(set(join_planes(*scene(*parts)).tolist())) == 2
+    assert len(set(join_planes(*scene(*parts, wall())).tolist())) == 2  # one floor and the wall
+
+
+def test_a_far_piece_of_a_floor_whose_near_one_leans_is_joined():
+    """By the leaning plane of the first the second would lie 8 cm too high."""
+    floor = sheet((0, 0, 0), (1.5, 1.5))
+    leaning = Mesh(floor.vertices + np.outer(floor.vertices[:, 0] - 0.75, (0, 0, 0.02)), floor.faces)
+    items, part = scene(leaning, sheet((4, 0, 0), (1, 1)), wall())
+    assert join_planes(items, part).tolist() == np.array([0, 0, 1])[part].tolist()
+
+
+def test_thresholds_follow_the_scale_of_the_scene():
+    parts = [sheet((0, 0, 0), (2, 2)), sheet((3, 0, 0.01), (2, 1)), sheet((0, 3, 0.8), (1, 1)), wall()]
+    items, part = scene(*parts)
+    small, _ = scene(*(Mesh(mesh.vertices / 8, mesh.faces) for mesh in parts))
+    small = dataclasses.replace(small, scales=np.array([1 / 8]))
+    np.testing.assert_array_equal(join_planes(small, part), join_planes(items, part))
 
 
 def test_a_sheet_that_looks_the_other_way_stays():
@@ -26,17 +58,17 @@ def test_a_table_top_is_no_floor_because_things_lie_behind_it():
 
 
 def test_small_and_rough_pieces_found_nothing():
-    items, part = scene(sheet((0, 0, 0), (0.9, 1)), sheet((2, 0, 0), (0.9, 1)))
-    assert len(set(join_planes(items, part).tolist())) == 2
-    assert len(set(join_planes(items, part, min_seed_area=0.5).tolist())) == 1
+    items, part = scene(sheet((0, 0, 0), (0.9, 1)), sheet((2, 0, 0), (0.9, 1)), wall())
+    assert len(set(join_planes(items, part).tolist())) == 3
+    assert len(set(join_planes(items, part, min_seed_area=0.5).tolist())) == 2
 
 
 def test_the_unlabeled_stay_unlabeled():
-    items, part = scene(sheet((0, 0, 0), (2, 2)), sheet((3, 0, 0), (2, 1)))
+    items, part = scene(sheet((0, 0, 0), (2, 2)), sheet((3, 0, 0), (2, 1)), wall())
     part[:5] = -1
     joined = join_planes(items, part)
     assert (joined[:5] == -1).all()
-    assert set(joined[5:].tolist()) == {0}
+    assert set(joined[5:][part[5:] < 2].tolist()) == {0}
     nothing = np.full(items.n, -1, dtype=np.int32)
     np.testing.assert_array_equal(join_planes(items, nothing), nothing)
 
@@ -44,30 +76,30 @@ def test_the_unlabeled_stay_unlabeled():
 def test_a_bent_wall_is_followed_beyond_its_plane():
     """Each sheet lies 2 cm above the one before, the last out of reach of the first one's plane."""
     parts = [sheet((0, 0, 0), (3, 3)), sheet((3, 0, 0.02), (2, 3)), sheet((5, 0, 0.04), (2, 3))]
-    items, part = scene(*parts)
-    assert set(join_planes(items, part).tolist()) == {0}
-    far = [parts[0], parts[1], sheet((6, 0, 0.09), (2, 3))]
-    assert set(join_planes(*scene(*far)).tolist()) == {0, 1}
+    items, part = scene(*parts, wall())
+    assert set(join_planes(items, part).tolist()) == {0, 1}
+    far = [parts[0], parts[1], sheet((6, 0, 0.2), (2, 3))]
+    assert set(join_planes(*scene(*far, wall())).tolist()) == {0, 1, 2}
 
 
 def test_a_wall_that_has_grown_is_compared_with_the_hull_again():
     """The third sheet lies out of reach of the first one's plane, but in that of the first two together."""
     parts = [sheet((0, 0, 0), (3, 3)), sheet((3, 0, 0.02), (2, 3))]
-    large, small = sheet((6, 0, 0.04), (2, 3)), sheet((6, 0, 0.04), (0.5, 1))
-    assert set(join_planes(*scene(*parts, large)).tolist()) == {0}
-    assert set(join_planes(*scene(*parts, small)).tolist()) == {0, 1}
+    large, high = sheet((5.2, 0, 0.045), (2, 3)), sheet((5.2, 0, 0.1), (2, 3))
+    assert set(join_planes(*scene(*parts, large, wall())).tolist()) == {0, 1}
+    assert set(join_planes(*scene(*parts, high, wall())).tolist()) == {0, 1, 2}
 
 
 def test_what_is_followed_is_not_followed_up_a_step():
     parts = [sheet((0, 0, 0), (3, 3)), sheet((3, 0, 0.02), (2, 3)), sheet((5, 0, 0.06), (2, 3))]
-    assert set(join_planes(*scene(*parts)).tolist()) == {0, 1}
+    assert set(join_planes(*scene(*parts, wall())).tolist()) == {0, 1, 2}
 
 
 def test_a_shell_behind_a_wall_belongs_to_it():
     back = sheet((0, 0, -0.2), (1, 1))
-    items, part = scene(sheet((0, 0, 0), (6, 6)), Mesh(back.vertices, back.faces[:, ::-1]))
-    assert set(join_planes(items, part).tolist()) == {0}
-    assert set(join_planes(items, part, shell=0.1).tolist()) == {0, 1}
+    items, part = scene(sheet((0, 0, 0), (6, 6)), Mesh(back.vertices, back.faces[:, ::-1]), wall())
+    assert set(join_planes(items, part).tolist()) == {0, 1}
+    assert set(join_planes(items, part, shell=0.1).tolist()) == {0, 1, 2}
 
 
 def test_planes_say_what_is_hull():

@@ -1,0 +1,96 @@
+"""How large a scene is, in what order geometry puts its faces, and what is a scene of its own.
+
+Goes in: a mesh. Come out: metres in a unit of the scene, faces in an order that doesn't hang on the file, and
+which faces are so far from each other that they are different scenes. A table top is to its cups what a room
+is to its furniture: the method looks at it through the same thresholds, only smaller.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, connected_components
+
+__all__ = ["far_apart", "geometric_order", "scene_scale"]
+
+ROOM = 20.0  # m² of surface of the scene whose unit is a metre: the least of a room
+
+
+def scene_scale(area: float) -> float:
+    """Metres in a unit of a scene with so much surface: 1 for rooms, less for what is smaller.
+
+    s = min(1, √(area / 20 m²)). Lengths in `Params` count in units of s, areas in units of s²; those of a
+    room are metres. Several rooms have the unit of one.
+
+    Parameters
+    ----------
+    area : float
+        Square metres of surface; without any the unit is a metre.
+
+    Examples
+    --------
+    >>> scene_scale(50.0), scene_scale(0.8)  # a room, a table top
+    (1.0, 0.2)
+    """
+    return min(1.0, float(np.sqrt(area / ROOM))) if area > 0 else 1.0
+
+
+def geometric_order(mesh: Mesh) -> IntArray:
+    """(n_faces,) faces by the places of their corners, whatever their order in the file.
+
+    Two files of one mesh whose faces or vertices are numbered differently give the same sequence of
+    triangles, so that what is computed along it is the same to the last bit.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    """
+    x, y, z = mesh.vertices.T
+    order = np.lexsort((z, y, x))
+    sorted_vertices = mesh.vertices[order]
+    is_new = np.any(sorted_vertices[1:] != sorted_vertices[:-1], axis=1)
+    place = np.empty(mesh.n_vertices, dtype=np.int64)
+    place[order] = np.concatenate([[0], np.cumsum(is_new)])
+    first, second, third = place[mesh.faces].T
+    return np.lexsort((third, second, first)).astype(np.int32)
+
+
+def far_apart(mesh: Mesh, pairs: IntArray, gap: float) -> IntArray:
+    """(n_faces,) int32 scene of each face: faces are in one where a chain of steps up to ``gap`` joins them.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    pairs : (n_pairs, 2) int
+        Adjacent faces.
+    gap : float
+        Metres between centroids of faces.
+
+    Returns
+    -------
+    scene : (n_faces,) int32
+        Numbered by area, the largest first.
+    """
+    n, component = connected_components(mesh.n_faces, pairs)
+    if n > 1:
+        cell = np.floor((mesh.face_centroids - mesh.bounds[0]) / (gap / 4)).astype(np.int64)
+        shape = cell.max(axis=0) + 1
+        _, where = np.unique(
+            (cell[:, 0] * shape[1] + cell[:, 1]) * shape[2] + cell[:, 2], return_inverse=True
+        )
+        near = cKDTree(_centers(mesh, where, int(where.max()) + 1)).query_pairs(gap, output_type="ndarray")
+        # a cell holds what is nearer than the gap; a face of it stands for them all
+        first = np.unique(where, return_index=True)[1]
+        same = np.stack([np.arange(mesh.n_faces), first[where]], axis=1)
+        n, component = connected_components(mesh.n_faces, np.concatenate([pairs, same, first[near]]))
+    area = np.bincount(component, mesh.face_areas, n)
+    rank = np.empty(n, dtype=np.int32)
+    rank[np.argsort(-area, kind="stable")] = np.arange(n, dtype=np.int32)
+    return rank[component]
+
+
+def _centers(mesh: Mesh, where: IntArray, n: int) -> FloatArray:
+    """(n, 3) mean of the centroids of the faces in each cell."""
+    count = np.bincount(where, minlength=n)
+    return np.stack([np.bincount(where, x, n) / count for x in mesh.face_centroids.T], axis=1)
