@@ -15,7 +15,7 @@ from scenewidget.engine.mesh import FloatArray, IntArray
 
 __all__ = ["Allocation", "allocate", "component_shares"]
 
-Allocation = Literal["dihedral", "faces", "area", "same", "raw"]
+Allocation = Literal["dihedral", "faces", "same", "raw"]
 
 
 def component_shares(items: Items, dihedral: IntArray, allocation: Allocation = "dihedral") -> FloatArray:
@@ -28,14 +28,14 @@ def component_shares(items: Items, dihedral: IntArray, allocation: Allocation = 
         `dihedral_partition` of the items' mesh; for "raw" that of the mesh as loaded, (n_raw_faces,).
     allocation : str
         By the number of "dihedral" partitions, which tells how much there is to segment; by "faces", which
-        here are the items; by "area", of its island, so that each island gets all of it; or the "same" for
-        each: all of it. "raw" counts the dihedral partitions of the mesh as loaded, which is denser and less
-        noisy than a simplified one (chapter 5).
+        here are the items; or the "same" for each: all of it. "raw" counts the dihedral partitions of the
+        mesh as loaded, which is denser and less noisy than a simplified one (chapter 5). Each island (see
+        `Items`) has all of it to share out.
 
     Returns
     -------
     share : (n_components,) float64
-        Summing to 1, by "area" in each island; all 1 for "same".
+        Summing to 1 in each island; all 1 for "same".
 
     Examples
     --------
@@ -54,12 +54,6 @@ def component_shares(items: Items, dihedral: IntArray, allocation: Allocation = 
     n = int(component.max()) + 1
     if allocation == "same":
         return np.ones(n)
-    if allocation == "area":
-        area = np.bincount(component, items.areas, n)
-        home = np.zeros(n, dtype=np.int64)
-        home[component] = items.island
-        total = np.bincount(home, area)[home]
-        return np.asarray(np.divide(area, total, out=np.full(n, 1.0), where=total > 0))
     if allocation == "faces":
         count = np.bincount(component, minlength=n)
     else:
@@ -67,7 +61,9 @@ def component_shares(items: Items, dihedral: IntArray, allocation: Allocation = 
         keep = item >= 0
         homes = np.unique(dihedral[keep].astype(np.int64) * n + component[item[keep]])
         count = np.maximum(np.bincount(homes % n, minlength=n), 1)
-    return np.asarray(count / count.sum())
+    island = np.zeros(n, dtype=np.int64)
+    island[component] = items.island
+    return np.asarray(count / np.bincount(island, count)[island])
 
 
 def allocate(total: int, share: FloatArray, size: IntArray) -> IntArray:

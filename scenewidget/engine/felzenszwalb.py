@@ -79,7 +79,7 @@ def join_along_seams(
 
     The lightest edge between two pieces may be a leak: where a scan rounds the crease between a bowl and its
     table, a way over a few faces is smooth, but not the seam as a whole. Pieces are joined in ascending
-    weight, which changes as seams grow together, while that is light for both, as in `felzenszwalb`.
+    weight, which changes as seams grow together, while that is light for both, as in `join_light_edges`.
 
     Parameters
     ----------
@@ -104,11 +104,13 @@ def join_along_seams(
     --------
     Two plates meet along a sharp seam with one smooth spot in it:
 
+    >>> import numpy as np
+    >>> from scenewidget.engine.felzenszwalb import join_along_seams, join_light_edges
     >>> pairs = np.array([[0, 1], [0, 2], [1, 3], [2, 3]])
     >>> weights, lengths = np.array([0.0, 1.0, 0.1, 0.0]), np.array([9.0, 9.0, 1.0, 9.0])
     >>> join_along_seams(pairs, weights, lengths, threshold=1.0, sizes=np.ones(4)).tolist()
     [0, 0, 1, 1]
-    >>> felzenszwalb(4, pairs, weights, threshold=1.0).tolist()
+    >>> join_light_edges(4, pairs, weights, threshold=1.0).tolist()
     [0, 0, 0, 0]
     """
     return _join_along_seams(  # type: ignore[no-any-return]

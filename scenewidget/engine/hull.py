@@ -198,14 +198,14 @@ def join_planes(
     Examples
     --------
     >>> import numpy as np
-    >>> from scenewidget.datasets.analytic import part_of, square
+    >>> from scenewidget.datasets.analytic import folded, part_of, square
     >>> from scenewidget.engine.hull import join_planes
     >>> from scenewidget.engine.items import patch_items
-    >>> floor = square(6, size=3.0)
+    >>> floor = folded(square(8, size=4.0), "x", 3.0, np.pi / 2)  # and from x = 3 on a wall
     >>> mesh = part_of(floor, np.abs(floor.face_centroids[:, 0] - 1.5) > 0.5)  # a gap of 1 m
-    >>> items = patch_items(mesh, mesh.face_centroids[:, 0] > 1.5)
-    >>> join_planes(items, np.arange(2)).tolist()
-    [0, 0]
+    >>> items = patch_items(mesh, np.digitize(mesh.face_centroids[:, 0], [1.5, 2.9]))
+    >>> join_planes(items, np.arange(3)).tolist()
+    [0, 0, 1]
     """
     s = items.scale
     join = partial(

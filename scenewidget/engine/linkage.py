@@ -12,9 +12,7 @@ import numpy as np
 from scenewidget.engine.atoms import by_first_appearance
 from scenewidget.engine.mesh import FloatArray, IntArray
 
-__all__ = ["average_linkage", "cut_by_count", "cut_tree"]
-
-CRUMB = 0.001  # Clusters below this share of the area don't count in `cut_by_count`.
+__all__ = ["average_linkage", "cut_tree"]
 
 
 def average_linkage(C: FloatArray, weights: FloatArray) -> FloatArray:
@@ -90,49 +88,6 @@ def cut_tree(tree: FloatArray, *, n_clusters: int | None = None, similarity: flo
     for node in range(n + n_merges - 1, -1, -1):  # parents have larger numbers: one pass from the top
         parent[node] = parent[parent[node]]
     return by_first_appearance(parent[:n])
-
-
-def cut_by_count(tree: FloatArray, weights: FloatArray, n_large: int) -> IntArray:
-    """Labels of the coarsest cut with ``n_large`` clusters of at least 0.1 % of the area.
-
-    Crumbs don't count, or they would use up the number.
-
-    Parameters
-    ----------
-    tree : (n − 1, 4) float64
-    weights : (n,) float
-        Areas.
-    n_large : int
-        Where no cut has that many, the coarsest of those that have most is taken.
-
-    Returns
-    -------
-    labels : (n,) int32
-        As of `cut_tree`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from scenewidget.engine.linkage import average_linkage, cut_by_count
-    >>> C = np.array([[1.0, 0.8, 0.2], [0.8, 1.0, 0.4], [0.2, 0.4, 1.0]])
-    >>> areas = np.array([1.0, 1.0, 0.0001])  # the last is a crumb
-    >>> cut_by_count(average_linkage(C, areas), areas, 2).tolist()
-    [0, 1, 2]
-    """
-    n = len(weights)
-    area = np.concatenate([weights, np.zeros(len(tree))])
-    for step, (left, right) in enumerate(tree[:, :2].astype(int)):
-        area[n + step] = area[left] + area[right]
-    is_large = area >= CRUMB * float(weights.sum())
-    count, most, best = 1, 1, 1
-    for step in range(len(tree) - 1, -1, -1):  # from the root down
-        if count >= n_large:
-            break
-        left, right = tree[step, :2].astype(int)
-        count += int(is_large[left]) + int(is_large[right]) - int(is_large[n + step])
-        if count > most:
-            most, best = count, len(tree) - step + 1
-    return cut_tree(tree, n_clusters=best)
 
 
 @numba.njit(cache=True, nogil=True)

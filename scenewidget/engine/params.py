@@ -177,9 +177,9 @@ class Params:
         Which of several members with the least sum of distances becomes the medoid: "first", or "stay" where
         it is; see `kmedoids.k_medoids`. Thesis: "first".
     allocation : str
-        How k and S are shared out over components: by "area", by "dihedral" partitions, by "faces"
-        (items), or the "same" for each; or by the dihedral partitions of the "raw" mesh (the thesis'
-        chapter 5 expects more of them). Thesis 3.1 names all but the first and last. Thesis: "dihedral".
+        How k and S are shared out over components: by "dihedral" partitions, by "faces" (items), or the
+        "same" for each (thesis 3.1 names all three); or by the dihedral partitions of the "raw" mesh
+        (its chapter 5 expects more of them). Thesis: "dihedral".
     merge : bool
         Whether runs are merged over planes before they join the ensemble (thesis: yes).
     merge_flatness, merge_normal, merge_seam : float
@@ -251,7 +251,7 @@ class Params:
     n_graph_runs: int = 80
     init: MemberInit = "even"
     medoid_ties: Ties = "stay"
-    allocation: Allocation = "area"
+    allocation: Allocation = "faces"
     merge: bool = False
     merge_flatness: float = 0.008
     merge_normal: float = 0.99

@@ -30,6 +30,7 @@ def scene_scale(area: float) -> float:
 
     Examples
     --------
+    >>> from scenewidget.engine.scale import scene_scale
     >>> scene_scale(50.0), scene_scale(0.8)  # a room, a table top
     (1.0, 0.2)
     """
@@ -45,6 +46,15 @@ def geometric_order(mesh: Mesh) -> IntArray:
     Parameters
     ----------
     mesh : Mesh
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.engine.scale import geometric_order
+    >>> vertices = [[5, 0, 0], [6, 0, 0], [5, 1, 0], [0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    >>> mesh = sw.Mesh(vertices, [[0, 1, 2], [3, 4, 5]])
+    >>> geometric_order(mesh).tolist()  # the face farther left comes first
+    [1, 0]
     """
     x, y, z = mesh.vertices.T
     order = np.lexsort((z, y, x))
@@ -52,7 +62,7 @@ def geometric_order(mesh: Mesh) -> IntArray:
     is_new = np.any(sorted_vertices[1:] != sorted_vertices[:-1], axis=1)
     place = np.empty(mesh.n_vertices, dtype=np.int64)
     place[order] = np.concatenate([[0], np.cumsum(is_new)])
-    first, second, third = place[mesh.faces].T
+    first, second, third = np.sort(place[mesh.faces], axis=1).T  # whichever corner a face begins with
     return np.lexsort((third, second, first)).astype(np.int32)
 
 
@@ -71,6 +81,17 @@ def far_apart(mesh: Mesh, pairs: IntArray, gap: float) -> IntArray:
     -------
     scene : (n_faces,) int32
         Numbered by area, the largest first.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.mesh import face_adjacency
+    >>> from scenewidget.engine.scale import far_apart
+    >>> near, far = square(2).vertices, square(2).vertices + 5.0
+    >>> mesh = sw.Mesh([*near, *far], [*square(2).faces, *(square(2).faces + 9)])
+    >>> far_apart(mesh, face_adjacency(mesh), gap=1.0).tolist()
+    [0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1]
     """
     n, component = connected_components(mesh.n_faces, pairs)
     if n > 1:

@@ -6,6 +6,7 @@ table in the same order, each a call or two of the module that has its idea.
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
@@ -41,7 +42,7 @@ from scenewidget.engine.features import (
 from scenewidget.engine.finish import finish, tidied
 from scenewidget.engine.items import Items, simplified_items, superfacet_items
 from scenewidget.engine.kmedoids import Ties
-from scenewidget.engine.linkage import average_linkage, cut_by_count, cut_tree
+from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.memo import Recall
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, face_adjacency
 from scenewidget.engine.monitor import Monitor
@@ -103,7 +104,7 @@ class Stage:
     >>> from scenewidget.engine.stages import stages
     >>> stage = stages(sw.Params())["consensus"]
     >>> stage.title, stage.needs, dict(stage.options)
-    ('Finding the consensus', ('coassociation', 'tree'), {'n_segments': 50, 'similarity': None})
+    ('Finding the consensus', ('tree',), {'similarity': 0.6})
     """
 
     name: str
@@ -190,8 +191,8 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
     step("coassociation", _coassociation, "items", "ensemble")
     if p.consensus == "linkage":
         step("tree", _tree, "coassociation")
-        step("consensus", _consensus_by_linkage, "coassociation", "tree", variant="linkage",
-             n_segments=p.n_segments, similarity=p.linkage_similarity if p.n_segments == "auto" else None)
+        step("consensus", _consensus_by_linkage, "tree", variant="linkage",
+             similarity=p.linkage_similarity)
     elif p.consensus == "median":
         step("consensus", _consensus_by_median, "coassociation", variant="median", seed=p.seed)
     else:
@@ -205,11 +206,14 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
          furniture=p.furniture_similarity, **tidy)
     step("segmentation", _segmentation, "mesh", "adjacency", "items", "dihedral", "ensemble", "coassociation",
          "finish", runs=(("k-medoids", p.n_runs), ("graph", p.n_graph_runs)))
-    if p.granularity is not None:
+    asked = p.n_segments if p.consensus == "linkage" and p.n_segments != "auto" else None
+    if asked is not None or p.granularity is not None:
         if p.consensus != "linkage":
             step("tree", _tree, "coassociation")
-        step("family", _family, "items", "coassociation", "tree", "segmentation", recalls="items", **tidy)
-        step("granularity", _granularity, "family", n_segments=p.granularity)
+        step("family", _family, "items", "coassociation", "tree", "segmentation", recalls="items",
+             through=asked, **tidy)
+        step("granularity", _granularity, "family",
+             n_segments=asked if p.granularity is None else p.granularity)
     # fmt: on
     return table
 
@@ -367,12 +371,8 @@ def _tree(co: CoAssociation, *, monitor: Monitor) -> FloatArray:
     return average_linkage(co.C, co.weights)
 
 
-def _consensus_by_linkage(
-    co: CoAssociation, tree: FloatArray, *, monitor: Monitor, n_segments: Any, similarity: float | None
-) -> IntArray:
-    if n_segments == "auto":
-        return cut_tree(tree, similarity=similarity)
-    return cut_by_count(tree, co.weights, n_segments)
+def _consensus_by_linkage(tree: FloatArray, *, monitor: Monitor, similarity: float) -> IntArray:
+    return cut_tree(tree, similarity=similarity)
 
 
 def _consensus_by_median(co: CoAssociation, *, monitor: Monitor, seed: int) -> IntArray:
@@ -450,14 +450,19 @@ def _family(
     *,
     monitor: Monitor,
     recall: Recall,
+    through: int | None,
     min_area: float,
     **tidy: Any,
 ) -> Family:
+    """The family that runs through the segmentation, seen from its cut into ``through`` segments."""
     fine = fine_pieces(items, co, tree)
     fine = tidied(
         items, fine, min_area=min_area, **tidy, n_threads=_n_threads(), recall=recall, monitor=monitor
     )
-    return make_family(segmentation, fine, co, min_area=min_area)
+    family = make_family(segmentation, fine, co, min_area=min_area)
+    if through is None:
+        return family
+    return dataclasses.replace(family, segmentation=_granularity(family, monitor=monitor, n_segments=through))
 
 
 def _granularity(family: Family, *, monitor: Monitor, n_segments: int) -> Segmentation:

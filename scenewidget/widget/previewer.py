@@ -98,7 +98,10 @@ class Previewer:
     def _show(self, params: Params, epoch: int) -> None:
         try:
             items = self._pipeline.get("items", params)
-            labels = self._pipeline.get("finish", params).labels
+            if params.consensus == "linkage" and params.n_segments != "auto":
+                labels = self._pipeline.get("granularity", params).item_labels
+            else:
+                labels = self._pipeline.get("finish", params).labels
         except (ValueError, MemoryError):  # the full computation will say what is wrong
             items = None
         with self._lock:

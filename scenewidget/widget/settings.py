@@ -65,12 +65,12 @@ MAIN = (
         "family", low=1, high=2, step=1, automatic="as computed",
     ),
     Setting(
-        "n_segments", "Segments S", "How many segments the consensus aims at; crumbs come on top.",
+        "n_segments", "Segments S", "How many segments there are; automatic: as many as the runs agree on.",
         "slider", low=2, high=200, step=1, automatic="automatic", automatic_value="auto",
     ),
     Setting(
         "k_range", "k-range", "Least and most clusters of a k-medoids run: more clusters see finer things.",
-        "range", low=2, high=500, automatic="2S to 2.5S",
+        "range", low=2, high=500, automatic="2S to 2.5S, or 100 to 125",
     ),
     Setting(
         "cost_exponent", "Cost exponent",
@@ -124,7 +124,7 @@ FOLDED = (
     Setting("join_planes", "Join walls",
             "Joins the pieces of one wall, floor or ceiling that doors cut apart.", "check", "Consensus"),
     Setting("relief", "Relief",
-            "How far, in m, a thing must stand out of its wall to come off it; 0 is never.",
+            "How far, in units of the scene, a thing must stand out of its wall to come off it; 0 is never.",
             "number", "Consensus", 0, None, 0.002),
     Setting("contrast", "Contrast",
             "How much a thing must differ in tint from its wall to come off it; 0 looks at no colours.",
@@ -132,12 +132,17 @@ FOLDED = (
     Setting("furniture_similarity", "Furniture",
             "Share of the runs that must agree for pieces of furniture that touch to be joined; 1 is never.",
             "number", "Consensus", 0, 1, 0.05),
-    Setting("min_area", "Least area", "Segments below this area, in m², go to a neighbour.",
+    Setting("min_area", "Least area", "Segments of less area, in squared units of the scene, are given away.",
             "number", "Consensus", 0, None, 0.01),
+    Setting("scale", "Unit of the scene",
+            "Metres that lengths here count in: 1 for rooms, less for what is smaller.",
+            "number", "Items", 0.001, None, 0.05, automatic="by the area", automatic_value="auto"),
     Setting("items", "Items", "What is clustered: patches of the scan, or faces of a simplified mesh.",
             "choice", "Items"),
     Setting("n_items", "Most items", "How many items there may be: more are finer and slower.",
             "number", "Items", 2, 40_000, 500),
+    Setting("item_area", "Least item", "Smallest area of a patch, in square units of the scene.",
+            "number", "Items", 0, None, 0.001),
     Setting("simplifier", "Simplifier", "Which program simplifies the mesh.", "choice", "Items"),
     Setting("drop_torn", "Drop torn pieces",
             "Leaves out small pieces that the simplifier tore off, as the thesis is written.",
@@ -146,8 +151,8 @@ FOLDED = (
             "How far from the simplified mesh, in mean face widths, a face of the scan still gets a label.",
             "number", "Items", 0, None, 0.5),
     Setting("filter_sweeps", "Smoothing", "Sweeps of the filter that smooths the normals under the patches.",
-            "number", "Items", 0, 1000, 5),
-    Setting("bridge", "Bridge", "Fragments this close, in metres, count as neighbours.",
+            "number", "Items", 0, 1000, 5, automatic="by the edges", automatic_value="auto"),
+    Setting("bridge", "Bridge", "Fragments this close, in units of the scene, count as neighbours.",
             "number", "Items", 0, None, 0.01),
     Setting("n_slots", "Dihedral slots", "How finely the level “dihedral” tells angles apart.",
             "number", "Items", 2, 100_000, 8),
@@ -201,15 +206,15 @@ def idle_reasons(params: Params) -> dict[str, str]:
     if not (has_runs and p.merge):
         for name in ("merge_flatness", "merge_normal", "merge_seam"):
             why[name] = why.get("merge", "Planes are not merged.")
-    if p.consensus != "linkage" or p.n_segments != "auto":
-        why["linkage_similarity"] = "It counts only when linkage finds the number of segments by itself."
+    if p.consensus != "linkage":
+        why["linkage_similarity"] = "Only the linkage is cut at an agreement."
     if p.consensus != "peac":
         why["leftover"] = "Only PEAC leaves pieces over."
     if p.items == "superfacets":
         for name in ("simplifier", "drop_torn", "tolerance"):
             why[name] = "The scan is not simplified."
     else:
-        for name in ("filter_sweeps", "bridge"):
+        for name in ("filter_sweeps", "bridge", "item_area"):
             why[name] = "It shapes patches, but the items are faces of a simplified mesh."
     return why
 

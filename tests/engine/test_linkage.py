@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.cluster import hierarchy
 from scipy.spatial.distance import squareform
 
-from scenewidget.engine.linkage import average_linkage, cut_by_count, cut_tree
+from scenewidget.engine.linkage import average_linkage, cut_tree
 
 
 @st.composite
@@ -106,15 +106,3 @@ def test_matrices_that_differ_from_their_transpose_in_the_last_bit_give_a_tree()
         np.fill_diagonal(C, 1)
         tree = average_linkage(C, rng.random(8))
         np.testing.assert_array_equal(np.sort(tree[:, :2].ravel()), np.arange(14))
-
-
-def test_a_cut_by_count_leaves_crumbs_aside():
-    C = np.full((4, 4), 0.2)
-    C[:2, :2] = 0.9  # the first two; then a large one and a crumb, both alone
-    np.fill_diagonal(C, 1.0)
-    areas = np.array([1.0, 1.0, 1.0, 1e-4])
-    tree = average_linkage(C, areas)
-    cuts = {n: cut_by_count(tree, areas, n) for n in (1, 2, 3, 9)}
-    assert cuts[1].tolist() == [0, 0, 0, 0]
-    assert [len(set(cuts[n][:3].tolist())) for n in (2, 3)] == [2, 3]
-    np.testing.assert_array_equal(cuts[9], cuts[3])  # no cut has nine: the coarsest of those with most

@@ -86,7 +86,7 @@ def test_a_slider_recomputes_only_what_depends_on_it(widget):
     widget.wait(60)
     widget.controls.set("n_segments", 5)
     spent = {stage for stage, seconds in widget.wait(60).timings.items() if seconds > 0}
-    assert spent == {"consensus", "finish", "segmentation"}
+    assert spent == {"family", "granularity"}
 
 
 def test_new_params_replace_a_computation_under_way(widget):

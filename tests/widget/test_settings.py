@@ -38,10 +38,10 @@ CHANGES = {  # another value for each option
     "drop_torn": True, "tolerance": 0.5, "medoid_ties": "first", "dihedral_order": "area",
     "laplacian": "robust", "n_eigenpairs": 12,
     "feature_floor": 0.2, "hop": 0.3, "convex_weights": (0.5,), "n_runs": 5,
-    "n_graph_runs": 4, "init": "outmost", "allocation": "faces", "merge": True, "merge_flatness": 0.02,
+    "n_graph_runs": 4, "init": "outmost", "allocation": "same", "merge": True, "merge_flatness": 0.02,
     "merge_normal": 0.9, "merge_seam": 0.9, "consensus": "median", "linkage_similarity": 0.4,
     "leftover": "argmax", "join_planes": False, "min_area": 0.3, "relief": 0.02, "contrast": 0.2,
-    "furniture_similarity": 0.6, "granularity": 9, "seed": 4,
+    "furniture_similarity": 0.6, "granularity": 9, "seed": 4, "item_area": 0.05, "scale": 0.5,
 }  # fmt: skip
 pytestmark = pytest.mark.filterwarnings("ignore:.*:UserWarning")
 
