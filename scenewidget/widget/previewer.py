@@ -101,7 +101,7 @@ class Previewer:
             if params.consensus == "linkage" and params.n_segments != "auto":
                 labels = self._pipeline.get("granularity", params).item_labels
             else:
-                labels = self._pipeline.get("finish", params).labels
+                labels = self._pipeline.get("finish", params)
         except (ValueError, MemoryError):  # the full computation will say what is wrong
             items = None
         with self._lock:
