@@ -8,7 +8,9 @@ import scenewidget
 
 TESTS, PACKAGE = Path(__file__).parent, Path(scenewidget.__file__).parent
 ELSEWHERE = {  # modules whose tests stand in the file of another name, since they only work together
-    "engine/stages.py": "engine/test_pipeline.py",
+    "engine/sides.py": "engine/test_gravity.py",
+    "engine/units.py": "engine/test_gravity.py",
+    "figures/thesis.py": "figures/test_thesis_figures.py",  # engine/test_thesis.py has the short name
     "editing/files.py": "editing/test_store.py",
     "editing/fingerprint.py": "editing/test_store.py",
     "editing/project.py": "editing/test_store.py",

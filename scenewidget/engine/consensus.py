@@ -2,8 +2,8 @@
 
 Goes in: a label per item and run. Come out: base segments (items with equal keys), how often they fall
 together, a partition of them by probabilistic evidence accumulation in each component, or as the median
-partition (thesis 3.5), and how much to trust the segments made of it. Partitions by a cut of a merge tree are
-in `linkage`.
+partition (thesis 3.5). Partitions by a cut of a merge tree are in `linkage`; how far to trust segments, in
+`doubt`.
 """
 
 from __future__ import annotations
