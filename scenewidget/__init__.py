@@ -26,6 +26,7 @@ What is where; ``help(sw.segment)`` and so on tell the rest:
 ``SceneWidget``, ``SceneView``          the widget, and its picture alone
 ``Compare``                             two segmentations of a scan beside each other
 ``figures``, ``SpectralExplorer``       pictures that teach
+``exercises``                           answers to the questions of the course, checked
 ======================================  =================================================================
 
 The folder ``notebooks`` of the repository is a course in ten parts. ``__version__`` is the version.
@@ -37,7 +38,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from scenewidget import baselines, datasets, editing, engine, figures, metrics
+    from scenewidget import baselines, datasets, editing, engine, exercises, figures, metrics
     from scenewidget.editing.formats import export, import_labels
     from scenewidget.editing.session import Session
     from scenewidget.engine.clouds import PointCloud
@@ -74,7 +75,7 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "SceneWidget": "widget.scene_widget",
     "SpectralExplorer": "figures.spectral_explorer",
 }
-_MODULES = ("baselines", "datasets", "editing", "engine", "figures", "metrics")
+_MODULES = ("baselines", "datasets", "editing", "engine", "exercises", "figures", "metrics")
 
 __all__ = [
     "Cancelled",
@@ -95,6 +96,7 @@ __all__ = [
     "editing",
     "engine",
     "evaluate",
+    "exercises",
     "export",
     "figures",
     "import_labels",
