@@ -2,9 +2,11 @@
 
 ===================  ============================================================================
 ``session``          `Session`: everything below behind one lock; what scripts and the widget use
-``edits``            merge, split, relabel, cut, as data that names faces of the mesh
+``edits``            merge, split, cut, paint, …, as data that names faces of the mesh
+``face_set``         faces of a mesh as a value
 ``partition``        where every face is now, and what each edit does to that
 ``cut``              the two-seed cut: which faces of a segment are on the side of the second face
+``borders``          a segment grown, shrunk, without holes, with a smooth border
 ``history``          edits done and undone, and their replay on another segmentation
 ``snapshot``         a session at one moment, as a view wants it
 ``observers``        who is told of changes
@@ -18,7 +20,21 @@
 """
 
 from scenewidget.editing.annotator import Correction, simulate_annotator
-from scenewidget.editing.edits import Cut, Edit, EditError, Merge, Relabel, Split
+from scenewidget.editing.edits import (
+    Cut,
+    Edit,
+    EditError,
+    FillHoles,
+    Grow,
+    Merge,
+    Paint,
+    Relabel,
+    Shrink,
+    Slice,
+    SmoothBorder,
+    Split,
+)
+from scenewidget.editing.face_set import FaceSet
 from scenewidget.editing.fingerprint import Fingerprint, fingerprint
 from scenewidget.editing.formats import FormatError, export, import_labels
 from scenewidget.editing.interaction import compare_interactions, interaction_log
@@ -35,12 +51,19 @@ __all__ = [
     "Edit",
     "EditError",
     "Event",
+    "FaceSet",
+    "FillHoles",
     "Fingerprint",
     "FormatError",
+    "Grow",
     "Merge",
+    "Paint",
     "ProjectError",
     "Relabel",
     "Session",
+    "Shrink",
+    "Slice",
+    "SmoothBorder",
     "Split",
     "Step",
     "Suggestion",

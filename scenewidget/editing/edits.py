@@ -7,6 +7,7 @@ on another segmentation of the same mesh. Küçükdemir (2020), thesis 3.6, with
 from __future__ import annotations
 
 import dataclasses
+import math
 import operator
 import unicodedata
 from collections.abc import Iterable, Mapping
@@ -15,12 +16,32 @@ from typing import Any
 
 import numpy as np
 
+from scenewidget.editing.face_set import FaceSet
+from scenewidget.engine.checks import checked_count
 from scenewidget.engine.segmentation import LEVELS, Level
 
-__all__ = ["Cut", "Edit", "EditError", "Merge", "Relabel", "Split", "edit_from_dict", "edit_to_dict"]
+__all__ = [
+    "Cut",
+    "Edit",
+    "EditError",
+    "FillHoles",
+    "Grow",
+    "Merge",
+    "Paint",
+    "Relabel",
+    "Shrink",
+    "Slice",
+    "SmoothBorder",
+    "Split",
+    "edit_from_dict",
+    "edit_to_dict",
+    "edit_values",
+    "kind_of",
+]
 
 MAX_NAME = 200  # the longest name of a segment, in characters
-MAX_FACES = 100_000  # the most faces that one brush stroke may name
+MAX_FACES = 100_000  # the most faces that one merge may name
+MOST_RINGS = 1_000  # of one edit
 
 
 class EditError(ValueError):
@@ -158,8 +179,197 @@ class Cut:
         return "Cut"
 
 
-Edit = Merge | Split | Relabel | Cut
-_KINDS: dict[str, type[Edit]] = {"merge": Merge, "split": Split, "relabel": Relabel, "cut": Cut}
+@dataclass(frozen=True)
+class Paint:
+    """The faces become part of the segment under ``onto_face``, or a new one without a name.
+
+    Whatever segments they are in now, or in none: faces that the method left unlabeled can be painted.
+
+    Examples
+    --------
+    >>> Paint([3, 4, 5], onto_face=9)
+    Paint(faces=FaceSet(3 faces: 3, 4, 5), onto_face=9)
+    >>> Paint(range(1000)).title
+    'New segment of 1000 faces'
+    """
+
+    faces: FaceSet
+    onto_face: int | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.faces, FaceSet):
+            object.__setattr__(self, "faces", FaceSet(self.faces))
+        if self.onto_face is not None:
+            object.__setattr__(self, "onto_face", _face("onto_face", self.onto_face))
+
+    @property
+    def title(self) -> str:
+        """What a history shows."""
+        n = len(self.faces)
+        what = f"{n} face{'s' if n > 1 else ''}"
+        return f"New segment of {what}" if self.onto_face is None else f"Paint {what}"
+
+
+@dataclass(frozen=True)
+class Slice:
+    """The segment under ``face`` is divided along a plane; the other side than the face's becomes a new one.
+
+    Each face is on the side of its centroid, and one whose centroid lies in the plane is on the side that
+    the normal leaves behind.
+
+    Examples
+    --------
+    >>> Slice(3, (0, 0, 1.5), (0, 0, 1))
+    Slice(face=3, point=(0.0, 0.0, 1.5), normal=(0.0, 0.0, 1.0))
+    """
+
+    face: int
+    point: tuple[float, float, float]
+    normal: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "face", _face("face", self.face))
+        object.__setattr__(self, "point", _vector("point", self.point))
+        object.__setattr__(self, "normal", _vector("normal", self.normal))
+        if not any(self.normal):
+            raise ValueError("normal has length 0: it must say which way the plane faces")
+
+    @property
+    def title(self) -> str:
+        """What a history shows."""
+        return "Slice"
+
+
+@dataclass(frozen=True)
+class Grow:
+    """The segment under ``face`` takes the faces around it, so many rings of them.
+
+    Examples
+    --------
+    >>> Grow(3, rings=2).title
+    'Grow'
+    """
+
+    face: int
+    rings: int = 1
+
+    title = "Grow"
+    nothing = "is all that is connected: there is nothing to grow onto"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "face", _face("face", self.face))
+        object.__setattr__(self, "rings", checked_count("rings", self.rings, most=MOST_RINGS))
+
+
+@dataclass(frozen=True)
+class Shrink:
+    """The segment under ``face`` gives its outermost faces to the segments around it.
+
+    Examples
+    --------
+    >>> Shrink(3).title
+    'Shrink'
+    """
+
+    face: int
+    rings: int = 1
+
+    title = "Shrink"
+    nothing = "touches no other segment that could take its faces"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "face", _face("face", self.face))
+        object.__setattr__(self, "rings", checked_count("rings", self.rings, most=MOST_RINGS))
+
+
+@dataclass(frozen=True)
+class FillHoles:
+    """The segment under ``face`` takes what it encloses, piece by piece, up to so many faces a piece.
+
+    Examples
+    --------
+    >>> FillHoles(3, max_faces=20).title
+    'Fill holes'
+    """
+
+    face: int
+    max_faces: int = 100
+
+    title = "Fill holes"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "face", _face("face", self.face))
+        object.__setattr__(self, "max_faces", checked_count("max_faces", self.max_faces, most=2**31 - 1))
+
+    @property
+    def nothing(self) -> str:
+        """Said where it changes nothing."""
+        return f"has no hole of at most {self.max_faces} faces"
+
+
+@dataclass(frozen=True)
+class SmoothBorder:
+    """The border of the segment under ``face`` loses its teeth; more rounds smooth larger ones.
+
+    Examples
+    --------
+    >>> SmoothBorder(3).title
+    'Smooth border'
+    """
+
+    face: int
+    rounds: int = 3
+
+    title = "Smooth border"
+    nothing = "has a smooth border already"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "face", _face("face", self.face))
+        object.__setattr__(self, "rounds", checked_count("rounds", self.rounds, most=MOST_RINGS))
+
+
+Edit = Merge | Split | Relabel | Cut | Paint | Slice | Grow | Shrink | FillHoles | SmoothBorder
+_KINDS: dict[str, type[Edit]] = {
+    "merge": Merge,
+    "split": Split,
+    "relabel": Relabel,
+    "cut": Cut,
+    "paint": Paint,
+    "slice": Slice,
+    "grow": Grow,
+    "shrink": Shrink,
+    "fill_holes": FillHoles,
+    "smooth_border": SmoothBorder,
+}
+
+
+def kind_of(edit: Edit) -> str:
+    """What an edit is called in files and tables.
+
+    Examples
+    --------
+    >>> kind_of(FillHoles(3))
+    'fill_holes'
+    """
+    return next(name for name, kind in _KINDS.items() if type(edit) is kind)
+
+
+def edit_values(edit: Edit) -> dict[str, Any]:
+    """The kind of an edit and its fields; a set of faces as an array of its ranges.
+
+    Examples
+    --------
+    >>> edit_values(Paint([3, 4]))
+    {'kind': 'paint', 'ranges': array([3, 5]), 'onto_face': None}
+    """
+    values: dict[str, Any] = {"kind": kind_of(edit)}
+    for field in dataclasses.fields(edit):
+        value = getattr(edit, field.name)
+        if isinstance(value, FaceSet):
+            values["ranges"] = value.ranges
+        elif value != ():  # which says nothing
+            values[field.name] = list(value) if isinstance(value, tuple) else value
+    return values
 
 
 def edit_to_dict(edit: Edit) -> dict[str, Any]:
@@ -170,13 +380,10 @@ def edit_to_dict(edit: Edit) -> dict[str, Any]:
     >>> edit_to_dict(Split(3, "base"))
     {'kind': 'split', 'face': 3, 'level': 'base'}
     """
-    data: dict[str, Any] = {"kind": type(edit).__name__.lower()}
-    for field in dataclasses.fields(edit):
-        value = getattr(edit, field.name)
-        if value == ():  # said by nothing
-            continue
-        data[field.name] = list(value) if isinstance(value, tuple) else value
-    return data
+    return {
+        key: value.tolist() if isinstance(value, np.ndarray) else value
+        for key, value in edit_values(edit).items()
+    }
 
 
 def edit_from_dict(data: Any) -> Edit:
@@ -199,6 +406,8 @@ def edit_from_dict(data: Any) -> Edit:
     kind = _KINDS[data["kind"]]
     values = {key: value for key, value in data.items() if key != "kind"}
     allowed = {field.name for field in dataclasses.fields(kind)}
+    if kind is Paint and "ranges" in values and "faces" not in values:
+        values["faces"] = FaceSet.from_ranges(values.pop("ranges"))
     if values.keys() - allowed:
         raise ValueError(f"a {data['kind']} has no field {sorted(values.keys() - allowed)[0]!r:.200}")
     try:
@@ -251,6 +460,16 @@ def _checked_faces(name: str, values: Iterable[Any]) -> Iterable[int]:
     if {*map(type, plain)} == {int} and min(plain) >= 0 and max(plain) < 2**31:
         return plain
     return [_face(name, value) for value in plain]
+
+
+def _vector(name: str, value: Any) -> tuple[float, float, float]:
+    try:
+        numbers = tuple(float(part) for part in value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be three numbers, got {value!r:.200}") from None
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+        raise ValueError(f"{name} must be three finite numbers, got {value!r:.200}")
+    return numbers
 
 
 def _check_level(level: Any) -> None:

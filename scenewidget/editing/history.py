@@ -7,12 +7,13 @@ no thread and no observer is known here; `scenewidget.editing.session` adds thos
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from scenewidget.editing.edits import Cut, Edit, EditError, Merge
+from scenewidget.editing.edits import Cut, Edit, EditError, Merge, Paint, kind_of
 from scenewidget.editing.partition import Change, KnownCut, Partition
 from scenewidget.editing.project import Log, Operation
 from scenewidget.engine.segmentation import Segmentation
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
 __all__ = ["History", "Step", "apply_edits", "operation_table"]
 
+MOST_LISTED = 1000  # painted faces in a row of the table
+
 
 @dataclass(frozen=True)
 class Step:
@@ -29,7 +32,7 @@ class Step:
 
     Attributes
     ----------
-    edit : Merge, Split, Relabel or Cut
+    edit : Edit
     time : float
         Seconds since 1970 (UTC) when it was made.
     problem : str
@@ -61,7 +64,8 @@ def apply_edits(segmentation: Segmentation, edits: Iterable[Edit]) -> Segmentati
     Parameters
     ----------
     segmentation : Segmentation
-    edits : iterable of Merge, Split, Relabel, Cut
+    edits : iterable of Edit
+        Merge, Split, Relabel, Cut, Paint, Slice, …
 
     Returns
     -------
@@ -238,7 +242,7 @@ def operation_table(operations: Iterable[Operation]) -> pd.DataFrame:
         {
             "time": pd.Timestamp(operation.time, unit="s", tz="UTC"),
             "action": operation.action,
-            "edit": "" if operation.edit is None else type(operation.edit).__name__.lower(),
+            "edit": "" if operation.edit is None else kind_of(operation.edit),
             "faces": _faces_named(operation.edit),
             "level": getattr(operation.edit, "level", ""),
             "name": getattr(operation.edit, "name", ""),
@@ -251,11 +255,16 @@ def operation_table(operations: Iterable[Operation]) -> pd.DataFrame:
 
 
 def _faces_named(edit: Edit | None) -> tuple[int, ...]:
-    """Every face that an edit names."""
+    """Faces that an edit names; of those that were painted the first so many."""
     if edit is None:
         return ()
     if isinstance(edit, Merge):
         return (*edit.faces, edit.onto_face)
     if isinstance(edit, Cut):
         return edit.face_a, edit.face_b
+    if isinstance(edit, Paint):
+        return (
+            *itertools.islice(edit.faces, MOST_LISTED),
+            *(() if edit.onto_face is None else (edit.onto_face,)),
+        )
     return (edit.face,)

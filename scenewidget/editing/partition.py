@@ -16,13 +16,29 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from scenewidget.editing.borders import grown, holes, shrunk, smoothed
 from scenewidget.editing.cut import cut_segment
-from scenewidget.editing.edits import Cut, Edit, EditError, Merge, Relabel, Split
+from scenewidget.editing.edits import (
+    Cut,
+    Edit,
+    EditError,
+    FillHoles,
+    Grow,
+    Merge,
+    Paint,
+    Relabel,
+    Shrink,
+    Slice,
+    SmoothBorder,
+    Split,
+)
 from scenewidget.engine.atoms import common_refinement
-from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, face_adjacency
 from scenewidget.engine.segmentation import LEVELS, Level, Segmentation
 
 __all__ = ["Change", "KnownCut", "Numbering", "Partition"]
+
+FaceEdit = Paint | Slice | Grow | Shrink | FillHoles | SmoothBorder
 
 # A mesh has so many quanta of area, and each face a whole number of them: float64 adds whole numbers exactly.
 AREA_QUANTA = 2.0**50
@@ -192,13 +208,16 @@ class Partition:
             return self._split(edit)
         if isinstance(edit, Relabel):
             return self._relabel(edit)
-        return self._cut(edit)
+        if isinstance(edit, Cut):
+            return self._cut(edit)
+        faces, takers = self.destined(edit)
+        return self._carry(faces, takers)
 
     def revert(self, change: Change) -> None:
         """Take the last change back that wasn't taken back yet."""
         if change.n_atoms == self.atoms.n:
             self._put(change.atoms, change.before)
-        else:  # a cut has made the atoms finer since
+        else:  # another edit has made the atoms finer since
             before = np.full(change.n_atoms, -2, dtype=np.int32)
             before[change.atoms] = change.before
             before = before[self._ancestors(change.n_atoms)]
@@ -248,7 +267,7 @@ class Partition:
             raise EditError(
                 f"the part under face {edit.face} is a segment of its own already; {finer} can divide it"
             )
-        return self._move(moves, None)
+        return self._move(moves, self._next_id)
 
     def _relabel(self, edit: Relabel) -> Change:
         home = self.segment_at(edit.face)
@@ -293,25 +312,100 @@ class Partition:
     def _cut(self, edit: Cut) -> Change:
         faces, cut = self.divide(edit)
         self.known_cuts[edit, cut.segment_digest] = is_b = cut.is_b
-        is_inside = np.zeros(self.automatic.mesh.n_faces, dtype=bool)
-        is_inside[faces[is_b]] = True
-        self._refine(is_inside)
-        moves = np.flatnonzero(np.bincount(self.atoms.face_atom[faces[is_b]]))
-        return dataclasses.replace(self._move(moves, None), cut=cut)
+        return dataclasses.replace(self._carry(faces[is_b], self._next_id), cut=cut)
 
-    def _move(self, moves: IntArray, target: int | None) -> Change:
-        """Put atoms into a segment, a new one if None. A name is not lost with the last of its faces."""
+    def destined(self, edit: FaceEdit) -> tuple[IntArray, IntArray | int]:
+        """Faces that an edit moves, ascending, and the segment that takes each; a new one has the next id.
+
+        Raises
+        ------
+        EditError
+            It can't be done here, or nothing would move.
+        """
+        if isinstance(edit, Paint):
+            return self._painted(edit)
+        home = self.segment_at(edit.face)
+        if home < 0:
+            raise EditError(f"face {edit.face} is unlabeled: there is no segment to {edit.title.lower()}")
+        segment: IntArray = self.segment[self.atoms.face_atom]
+        if isinstance(edit, Slice):
+            return self._sliced(edit, np.flatnonzero(segment == home)), self._next_id
+        faces: IntArray
+        takers: IntArray | int = home
+        if isinstance(edit, Grow):
+            faces = grown(self._pairs, segment, home, edit.rings)
+        elif isinstance(edit, FillHoles):
+            faces = holes(self._pairs, segment, home, edit.max_faces)
+        elif isinstance(edit, Shrink):
+            faces, takers = shrunk(self._pairs, segment, home, edit.rings)
+        else:
+            faces, takers = smoothed(self._pairs, segment, home, edit.rounds)
+        if len(faces) == 0:
+            raise EditError(f"the segment under face {edit.face} {edit.nothing}")
+        segment[faces] = takers
+        if not (segment == home).any():
+            raise EditError(f"nothing would remain of the segment under face {edit.face}")
+        return faces, takers
+
+    def _painted(self, edit: Paint) -> tuple[IntArray, int]:
+        faces = edit.faces.of_mesh(self.automatic.mesh.n_faces)
+        home = self.segment[self.atoms.face_atom[faces]]
+        if edit.onto_face is None:
+            source = int(home[0])
+            if source >= 0 and (home == source).all():
+                n_source = int(self.atom_faces[self.segment == source].sum())
+                if len(faces) == n_source:
+                    raise EditError("the faces are a segment of their own already")
+            return faces, self._next_id
+        target = self.segment_at(edit.onto_face)
+        if target < 0:
+            raise EditError(f"onto_face {edit.onto_face} is unlabeled: there is no segment to paint onto")
+        faces = faces[home != target]
+        if len(faces) == 0:
+            raise EditError(f"all faces are in the segment under onto_face {edit.onto_face} already")
+        return faces, target
+
+    def _sliced(self, edit: Slice, faces: IntArray) -> IntArray:
+        """Those faces of the segment that lie on the other side of the plane than the face that is named."""
+        x, y, z = (self.automatic.mesh.face_centroids[faces] - edit.point).T
+        length = max(abs(part) for part in edit.normal)
+        a, b, c = (part / length for part in edit.normal)
+        is_above = x * a + y * b + z * c > 0  # term by term: to the bit the same on every machine
+        other: IntArray = faces[is_above != is_above[np.searchsorted(faces, edit.face)]]
+        if len(other) == 0:
+            raise EditError(f"the plane leaves the segment under face {edit.face} on one side")
+        return other
+
+    @cached_property
+    def _pairs(self) -> IntArray:
+        """(n_pairs, 2) faces that share an edge."""
+        return face_adjacency(self.automatic.mesh)
+
+    def _carry(self, faces: IntArray, takers: IntArray | int) -> Change:
+        """Put faces, ascending, into segments; atoms that are only partly among them become finer."""
+        if isinstance(takers, int):
+            self._refine(faces, np.zeros(len(faces), np.int64))
+            moves = np.flatnonzero(np.bincount(self.atoms.face_atom[faces], minlength=self.atoms.n))
+            return self._move(moves, takers)
+        _, group = np.unique(takers, return_inverse=True)
+        self._refine(faces, group)
+        target = np.full(self.atoms.n, -1, dtype=np.int64)
+        target[self.atoms.face_atom[faces]] = takers
+        moves = np.flatnonzero(target >= 0)
+        return self._move(moves, target[moves])
+
+    def _move(self, moves: IntArray, target: IntArray | int) -> Change:
+        """Put atoms into segments; a name is not lost with the last of its faces."""
         change = self._change(moves)
-        if target is None:
-            target, self._next_id = self._next_id, self._next_id + 1
+        self._next_id = max(self._next_id, int(np.max(target)) + 1)
         self._put(moves, target)
         sources = np.flatnonzero(np.bincount(change.before + 1)) - 1
         gone = [s for s in sources.tolist() if s >= 0 and not (self.segment == s).any()]
         self.names = {i: name for i, name in self.names.items() if i not in gone}
-        if target not in self.names:
-            inherited = [change.names[s] for s in gone if s in change.names]
-            if inherited:
-                self.names[target] = inherited[0]
+        for source in gone:
+            heir = int(self.segment[moves[change.before == source][0]])
+            if source in change.names and heir not in self.names:
+                self.names[heir] = change.names[source]
         return change
 
     def _put(self, atoms: IntArray, segments: IntArray | int) -> None:
@@ -338,16 +432,27 @@ class Partition:
         n_faces = int(self.atom_faces[atoms].sum())
         return Change(atoms, self.segment[atoms], self.names, self.atoms.n, self._next_id, n_faces)
 
-    def _refine(self, is_inside: BoolArray) -> None:
-        self.atoms, parents = self.atoms.refined(is_inside)
+    def _refine(self, faces: IntArray, group: IntArray) -> None:
+        """Make atoms finer, so that groups of faces can move; costs what the groups have."""
+        n_before = self.atoms.n
+        tables = {"atom_faces": self.atom_faces, "_area": self._area, "_sureness": self._sureness}
+        self.atoms, parents = self.atoms.refined(faces, group, self.atom_faces)
         if len(parents) == 0:
             return
+        atom = self.atoms.face_atom[faces].astype(np.int64) - n_before
+        faces, atom = faces[atom >= 0], atom[atom >= 0]
+        quanta = self._face_quanta[faces]
+        sureness = np.rint(quanta * self.automatic.confidence[faces])
+        for (name, table), weights in zip(tables.items(), (None, quanta, sureness), strict=True):
+            taken = np.bincount(atom, weights, minlength=len(parents)).astype(table.dtype)
+            self.__dict__[name] = finer = np.concatenate([table, taken])
+            np.subtract.at(finer, parents, taken)
         self._parent = np.concatenate([self._parent, parents])
         self.segment = np.concatenate([self.segment, self.segment[parents]])
         self.parts = {level: np.concatenate([part, part[parents]]) for level, part in self.parts.items()}
         self._totals = None
-        for table in ("atom_faces", "_area", "_sureness", "_confidence", "_pieces"):
-            self.__dict__.pop(table, None)
+        for outdated in ("_confidence", "_pieces"):
+            self.__dict__.pop(outdated, None)
 
     def _ancestors(self, n_atoms: int) -> IntArray:
         """For each atom of today the one that it was part of when there were so many."""

@@ -23,7 +23,7 @@ from typing import Any, get_args
 import numpy as np
 import numpy.typing as npt
 
-from scenewidget.editing.edits import edit_from_dict, edit_to_dict
+from scenewidget.editing.edits import edit_from_dict, edit_values
 from scenewidget.editing.fingerprint import Fingerprint, fingerprint
 from scenewidget.editing.partition import KnownCut
 from scenewidget.editing.project import Action, Operation, Project, ProjectError, Root, read_log
@@ -258,7 +258,7 @@ def _digest(before: bytes, *values: Any) -> bytes:
 def _encode(operation: Operation) -> tuple[str, bytes | None]:
     body: Any = None
     if operation.edit is not None:
-        body = {key: _packed(value) for key, value in edit_to_dict(operation.edit).items()}
+        body = {key: _packed(value) for key, value in edit_values(operation.edit).items()}
     elif operation.action == "vocabulary":
         body = list(operation.names)
     extra = None
@@ -271,7 +271,9 @@ def _encode(operation: Operation) -> tuple[str, bytes | None]:
 
 def _packed(value: Any) -> Any:
     """A long list of faces as compressed differences: a brush stroke has a hundred thousand of them."""
-    if not isinstance(value, list) or len(value) < LONG_LIST:
+    if isinstance(value, np.ndarray) and len(value) < LONG_LIST:
+        return value.tolist()
+    if not isinstance(value, (list, np.ndarray)) or len(value) < LONG_LIST:
         return value
     steps = np.diff(np.array(value, np.int64), prepend=0).astype("<i4")
     return {"n": len(value), "packed": base64.b64encode(zlib.compress(steps.tobytes(), 1)).decode("ascii")}

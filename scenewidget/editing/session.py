@@ -20,7 +20,19 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from scenewidget.editing.edits import Cut, Edit, Merge, Relabel, Split
+from scenewidget.editing.edits import (
+    Cut,
+    Edit,
+    FillHoles,
+    Grow,
+    Merge,
+    Paint,
+    Relabel,
+    Shrink,
+    Slice,
+    SmoothBorder,
+    Split,
+)
 from scenewidget.editing.files import checked_path
 from scenewidget.editing.fingerprint import fingerprint
 from scenewidget.editing.history import History, Step, apply_edits, operation_table
@@ -199,10 +211,74 @@ class Session:
             faces, cut = self._history.partition.divide(Cut(face_a, face_b))
         return faces[cut.is_b]
 
+    def paint(self, faces: Sequence[int] | IntArray, onto_face: int | None = None) -> Step:
+        """Faces become part of the segment under another face, or a new segment without a name.
+
+        Parameters
+        ----------
+        faces : (n,) int
+            Faces of the mesh as loaded, wherever they are now, unlabeled ones included; any number of them.
+        onto_face : int, optional
+            A face of the segment that takes them.
+
+        Raises
+        ------
+        EditError
+            Nothing would move.
+        """
+        return self.do(Paint(faces, onto_face))  # type: ignore[arg-type]  # Paint makes it a set
+
+    def slice(self, face: int, point: Sequence[float], normal: Sequence[float]) -> Step:
+        """Divide the segment under a face along a plane.
+
+        The side of ``face`` stays the segment that it is, the other becomes a new one without a name. Faces
+        go whole, each to the side of its centroid.
+
+        Parameters
+        ----------
+        face : int
+        point : (3,) float
+            A point of the plane, metres.
+        normal : (3,) float
+            Across the plane, of any length but 0.
+
+        Raises
+        ------
+        EditError
+            All of the segment is on one side.
+        """
+        return self.do(Slice(face, point, normal))  # type: ignore[arg-type]  # Slice makes them tuples
+
+    def grow(self, face: int, rings: int = 1) -> Step:
+        """The segment under a face takes the faces that share an edge with it, ring by ring."""
+        return self.do(Grow(face, rings))
+
+    def shrink(self, face: int, rings: int = 1) -> Step:
+        """The segment under a face gives its outermost faces to the segments around it, ring by ring.
+
+        Each goes to the segment that it touches most. Where the scan itself ends, nothing is given away.
+        """
+        return self.do(Shrink(face, rings))
+
+    def fill_holes(self, face: int, max_faces: int = 100) -> Step:
+        """The segment under a face takes the pieces that it encloses, those of at most so many faces."""
+        return self.do(FillHoles(face, max_faces))
+
+    def smooth_border(self, face: int, rounds: int = 3) -> Step:
+        """Take the teeth off the border of the segment under a face.
+
+        Parameters
+        ----------
+        face : int
+        rounds : int
+            More rounds smooth larger teeth; no face further from the border than so many others moves.
+        """
+        return self.do(SmoothBorder(face, rounds))
+
     def do(self, edit: Edit) -> Step:
         """Do an edit made elsewhere; what was undone before is forgotten."""
-        if not isinstance(edit, (Merge, Split, Relabel, Cut)):
-            raise TypeError(f"edit must be a Merge, Split, Relabel or Cut, got {type(edit).__name__}")
+        if not isinstance(edit, Edit):
+            raise TypeError(f"edit must be a Merge, Split, Relabel, Cut, …, got {type(edit).__name__}")
         with self._lock:
             now = time.time()
             step, cut = self._history.do(edit, now)

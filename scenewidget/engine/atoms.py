@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from scenewidget.engine.mesh import BoolArray, IntArray
+from scenewidget.engine.mesh import IntArray
 
 __all__ = ["Atoms", "by_first_appearance", "common_refinement", "renumbered"]
 
@@ -46,34 +46,60 @@ class Atoms:
         table = labels[self.first_face]
         return table if np.array_equal(table[self.face_atom], labels) else None
 
-    def refined(self, is_inside: BoolArray) -> tuple[Atoms, IntArray]:
-        """Atoms such that a set of faces is a union of some; the atoms that it cuts keep the outside.
+    def refined(self, faces: IntArray, group: IntArray, n_in_atom: IntArray) -> tuple[Atoms, IntArray]:
+        """Atoms such that each of some groups of faces is a union of some.
 
         Parameters
         ----------
-        is_inside : (n_faces,) bool
+        faces : (n,) int
+            Different ones, ascending.
+        group : (n,) int
+            Group of each, from 0. Faces that aren't named are one more group.
+        n_in_atom : (n_atoms,) int
+            How many faces each atom has.
 
         Returns
         -------
         atoms : Atoms
-            The old numbers stay; the insides of the atoms that were cut come after them. ``self`` if
-            the set cuts none.
+            The old numbers stay; of an atom that was cut, the faces that aren't named keep the number, or
+            else the first of the groups. ``self`` if none was cut.
         parents : (n_new,) int
             The old atom that each new one was a part of, ascending.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from scenewidget.engine.atoms import common_refinement
+        >>> atoms = common_refinement([np.array([0, 0, 0, 1])], 4)
+        >>> finer, parents = atoms.refined(np.array([0, 3]), np.array([0, 0]), np.array([3, 1]))
+        >>> finer.face_atom.tolist(), parents.tolist()
+        ([2, 0, 0, 1], [0])
         """
-        inside = np.flatnonzero(is_inside)
-        home = self.face_atom[inside]
-        is_cut = np.bincount(home, minlength=self.n) > 0
-        is_cut &= np.bincount(self.face_atom[~is_inside], minlength=self.n) > 0
-        parents = np.flatnonzero(is_cut)
+        home = self.face_atom[faces].astype(np.int64)
+        n_groups = int(group.max(initial=0)) + 1
+        code = home * n_groups + group
+        piece, n_pieces = _dense(code)
+        codes: IntArray = np.zeros(n_pieces, np.int64)
+        codes[piece] = code
+        n_named = np.bincount(home, minlength=self.n)
+        parents = codes // n_groups
+        is_first = np.diff(parents, prepend=-1) != 0
+        is_new = ~(is_first & (n_named == n_in_atom)[parents])  # nobody else keeps the number
+        number = np.where(is_new, self.n + np.cumsum(is_new) - 1, parents)
+        parents = parents[is_new]
         if len(parents) == 0:
             return self, parents
-        number = np.full(self.n, -1, np.int64)
-        number[parents] = self.n + np.arange(len(parents))
-        moves = is_cut[home]
         face_atom = self.face_atom.copy()
-        face_atom[inside[moves]] = number[home[moves]]
-        return Atoms(face_atom, _first_faces(face_atom, self.n + len(parents))), parents
+        face_atom[faces] = number[piece]
+        first_face: IntArray = np.concatenate([self.first_face, np.zeros(len(parents), np.int64)])
+        moved = np.flatnonzero(is_new[piece])[::-1]
+        first_face[number[piece[moved]]] = faces[moved]  # the last one written stays
+        is_lost = np.zeros(self.n + len(parents), bool)
+        is_lost[parents] = face_atom[self.first_face[parents]] != parents
+        if is_lost.any():
+            left = np.flatnonzero(is_lost[face_atom])[::-1]
+            first_face[face_atom[left]] = left
+        return Atoms(face_atom, first_face), parents
 
 
 def common_refinement(columns: Iterable[IntArray], n_faces: int) -> Atoms:

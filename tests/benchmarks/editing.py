@@ -48,6 +48,12 @@ def timed(task, *arguments):
     return time.perf_counter() - start, result
 
 
+def around(mesh: Mesh, rng: np.random.Generator, n: int) -> np.ndarray:
+    """So many faces around one, as under a brush."""
+    away = mesh.face_centroids - mesh.face_centroids[rng.integers(0, mesh.n_faces)]
+    return np.argpartition(np.einsum("ij,ij->i", away, away), n)[:n]
+
+
 def main() -> None:
     """Edit at random and print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -90,6 +96,10 @@ def main() -> None:
             a, b = (int(face) for face in rng.choice(faces, 2, replace=False))
             cuts.append((len(faces), timed(session.cut, a, b)[0]))
         print("cut                  " + ", ".join(f"{s:.2f} s of {n} faces" for n, s in cuts))
+        session.go_to(0)
+        for n in (1_000, 10_000, 100_000):
+            painted = [timed(session.paint, around(mesh, rng, n))[0] for _ in range(20)]
+            print(f"paint {n:7} faces  {milliseconds(painted)}   on disk")
         session.close()
         print(f"project after that   {(folder / 'room.swproj').stat().st_size / 1e6:8.2f} MB")
         seconds, session = timed(Session.open, folder / "room.swproj", mesh)

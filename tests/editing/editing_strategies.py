@@ -7,7 +7,19 @@ import shapes
 from hypothesis import strategies as st
 from strategies import clean_meshes, messy_meshes
 
-from scenewidget.editing.edits import Cut, EditError, Merge, Relabel, Split
+from scenewidget.editing.edits import (
+    Cut,
+    EditError,
+    FillHoles,
+    Grow,
+    Merge,
+    Paint,
+    Relabel,
+    Shrink,
+    Slice,
+    SmoothBorder,
+    Split,
+)
 from scenewidget.editing.session import Session
 from scenewidget.engine.segmentation import LEVELS, Segmentation, order_by_area
 
@@ -36,11 +48,19 @@ def edits(n_faces):
     """Any edit that names faces of the mesh; it need not apply."""
     face = st.integers(0, n_faces - 1)
     level = st.sampled_from(LEVELS)
+    few = st.integers(1, 3)
+    vector = st.tuples(*[st.sampled_from([-1.0, -0.3, 0.0, 0.1, 0.5, 2.0])] * 3)
     two = st.tuples(face, face).filter(lambda pair: pair[0] != pair[1])
     kinds = [
         st.builds(Merge, st.lists(face, min_size=1, max_size=3).map(tuple), face, level),
         st.builds(Split, face, level),
         st.builds(Relabel, face, st.sampled_from(NAMES)),
+        st.builds(Paint, st.lists(face, min_size=1, max_size=20), st.none() | face),
+        st.builds(Slice, face, vector, vector.filter(any)),
+        st.builds(Grow, face, few),
+        st.builds(Shrink, face, few),
+        st.builds(FillHoles, face, st.integers(1, 20)),
+        st.builds(SmoothBorder, face, few),
     ]
     if n_faces > 1:
         kinds.append(two.map(lambda pair: Cut(*pair)))

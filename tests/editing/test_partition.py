@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 import shapes
-from editing_strategies import applies, box_session, do_all, edited, segmentations
+from editing_strategies import applies, box_session, do_all, edited, edits, segmentations
 from hypothesis import given
 from hypothesis import strategies as st
 
 import scenewidget as sw
+from scenewidget.datasets import analytic
 from scenewidget.editing.edits import Cut, EditError, Merge, Split
+from scenewidget.editing.partition import Partition
 from scenewidget.editing.session import Session
 from scenewidget.engine.segmentation import Segmentation
 
@@ -121,3 +123,122 @@ def test_cut_needs_both_seeds_on_their_sides():
     labels = session.segmentation.labels
     assert session.segmentation.n_segments == 2
     assert labels[0] != labels[190]
+
+
+def plane_session(n=8):
+    """A square of n × n cells of two triangles in the plane z = 0, halved at x = ½."""
+    mesh = analytic.square(n)
+    labels = (mesh.face_centroids[:, 0] > 0.5).astype(int)
+    return Session(mesh, Segmentation.from_labels(mesh, labels))
+
+
+def test_painted_faces_are_moved_to_the_face_whatever_pieces_they_were():
+    session = box_session()
+    session.paint([0, 3, 40, 100], onto_face=150)
+    expected = np.arange(192) // 32
+    expected[[0, 3, 40, 100]] = 4
+    now = session.segmentation
+    np.testing.assert_array_equal(now.labels, Segmentation.from_labels(now.mesh, expected).labels)
+    session.paint(range(10, 50))
+    expected[10:50] = 6
+    now = session.segmentation
+    np.testing.assert_array_equal(now.labels, Segmentation.from_labels(now.mesh, expected).labels)
+    assert (now.confidence[10:50] == 1).all()
+
+
+def test_unlabeled_faces_can_be_painted_but_nothing_can_be_painted_onto_them():
+    mesh = shapes.box(2)
+    session = Session(mesh, Segmentation(mesh, np.arange(48) // 8 - 1))
+    session.paint([0, 1, 2], onto_face=20)
+    assert len(set(session.segmentation.labels[[0, 1, 2, 20]])) == 1
+    with pytest.raises(EditError, match="onto_face 5 is unlabeled: there is no segment to paint onto"):
+        session.paint([20], onto_face=5)
+    for call in (session.grow, session.shrink, session.fill_holes, session.smooth_border):
+        with pytest.raises(EditError, match="face 5 is unlabeled: there is no segment to"):
+            call(5)
+    with pytest.raises(EditError, match="face 5 is unlabeled: there is no segment to slice"):
+        session.slice(5, (0, 0, 0), (0, 0, 1))
+
+
+def test_a_segment_that_is_painted_over_leaves_its_name():
+    session = box_session()
+    session.relabel(0, "door")
+    session.paint(range(32), onto_face=40)
+    assert session.segmentation.names[session.segmentation.labels[40]] == "door"
+    session.undo()
+    assert session.segmentation.names[session.segmentation.labels[0]] == "door"
+
+
+@pytest.mark.parametrize("length", [1e-200, 1.0, 1e200])
+def test_a_slice_divides_by_centroids_and_keeps_the_side_of_the_face(length):
+    session = plane_session()
+    centroids = session.mesh.face_centroids
+    left = int(np.argmin(centroids[:, 0]))
+    kept = session.atom_segments[session.atoms.face_atom[left]]
+    session.slice(left, (0.3, 0.0, 0.0), (length, length, 0.0))
+    segment = session.atom_segments[session.atoms.face_atom]
+    is_other = (centroids[:, 0] + centroids[:, 1] > 0.3) & (centroids[:, 0] < 0.5)
+    assert session.n_segments == 3
+    np.testing.assert_array_equal(segment == 2, is_other)
+    assert (segment[(centroids[:, 0] < 0.5) & ~is_other] == kept).all()
+
+
+def test_growing_and_shrinking_move_the_border_by_rings():
+    session = plane_session()
+    x = session.mesh.face_centroids[:, 0]
+    left, right = int(x.argmin()), int(x.argmax())
+    session.grow(left, rings=2)
+    labels = session.segmentation.labels
+    grown = labels == labels[left]
+    assert grown[x < 0.5].all()
+    assert grown[x < 0.61].all()  # a row of cells has two rings
+    assert not grown[x > 0.63].any()
+    session.shrink(left, rings=2)
+    labels = session.segmentation.labels
+    np.testing.assert_array_equal(labels == labels[left], x < 0.5)
+    session.grow(left, rings=100)
+    assert session.n_segments == 1
+    with pytest.raises(EditError, match="there is nothing to grow onto"):
+        session.grow(right)
+    with pytest.raises(EditError, match="touches no other segment that could take its faces"):
+        session.shrink(right)
+
+
+def test_holes_are_filled_and_teeth_taken_off():
+    session = plane_session(16)
+    x, y, _ = session.mesh.face_centroids.T
+    left, right = int(x.argmin()), int(x.argmax())
+    before = session.segmentation.labels
+    hole = np.flatnonzero((abs(x - 0.25) < 0.07) & (abs(y - 0.5) < 0.07))
+    session.paint(hole)
+    with pytest.raises(EditError, match=f"has no hole of at most {len(hole) - 1} faces"):
+        session.fill_holes(left, max_faces=len(hole) - 1)
+    session.fill_holes(left, max_faces=len(hole))
+    np.testing.assert_array_equal(session.segmentation.labels, before)
+    tooth = np.flatnonzero((x < 0.5) & (x > 0.38) & (abs(y - 0.53125) < 0.03))
+    session.paint(tooth, onto_face=right)
+    session.smooth_border(right)
+    labels = session.segmentation.labels
+    is_right = labels == labels[right]
+    assert not is_right[x < 7 / 16].any()  # of a tooth two cells long a low bump is left
+    assert np.count_nonzero(is_right != (x > 0.5)) <= 3
+
+
+@given(segmentations(), st.data())
+def test_totals_are_right_however_fine_the_atoms_become(segmentation, data):
+    """Sums are kept up while atoms are cut; a partition that adds them up anew has the same."""
+    session = Session(segmentation.mesh, segmentation)
+    for edit in data.draw(st.lists(edits(segmentation.mesh.n_faces), max_size=6)):
+        session._history.partition.numbering()  # so that there are totals to keep up
+        applies(session, edit)
+    kept = session._history.partition
+    fresh = Partition(segmentation)
+    fresh.atoms, fresh.segment, fresh.parts = kept.atoms, kept.segment, kept.parts
+    fresh.names, fresh._next_id = kept.names, kept._next_id
+    np.testing.assert_array_equal(kept.atom_faces, fresh.atom_faces)
+    np.testing.assert_array_equal(kept._area, fresh._area)
+    np.testing.assert_array_equal(kept._sureness, fresh._sureness)
+    for name in ("labels", "ids", "confidence", "atom_confidence"):
+        np.testing.assert_array_equal(getattr(kept.numbering(), name), getattr(fresh.numbering(), name))
+    first = [np.flatnonzero(kept.atoms.face_atom == atom)[0] for atom in range(kept.atoms.n)]
+    np.testing.assert_array_equal(kept.atoms.first_face, first)

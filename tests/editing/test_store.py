@@ -495,3 +495,52 @@ def test_parameters_of_another_version_are_left_out(tmp_path):
     forge(tmp_path / "room.swproj", ("INSERT OR REPLACE INTO fact VALUES (?, ?, ?)", row))
     with pytest.warns(UserWarning, match="of another version and left out"):
         assert Session.open(tmp_path / "room.swproj", mesh).params is None
+
+
+def test_strokes_and_slices_survive_in_the_file_and_are_small_there(tmp_path):
+    session = box_session()
+    session.save(tmp_path / "room.swproj")
+    rng = np.random.default_rng(0)
+    session.paint(np.flatnonzero(rng.random(192) < 0.5), onto_face=190)
+    session.paint(range(20, 90))
+    session.slice(100, (0.1, 0.2, 0.3), (1.0, 1.0, 0.3))
+    session.grow(100)
+    session.smooth_border(30, rounds=5)
+    session.slice(190, session.mesh.vertices.mean(axis=0), (0.3, 1.0, 0.2))
+    session.shrink(30)
+    session.undo()
+    expected, edits = session.segmentation, session.edits
+    del session  # as if the process had been killed: nothing is closed
+    with Session.open(tmp_path / "room.swproj", shapes.box(4)) as again:
+        assert again.edits == edits
+        assert_same(again.segmentation, expected)
+        again.redo()
+        again.go_to(0)
+        assert again.segmentation is again.automatic
+        assert list(again.to_frame()["edit"][1:4]) == ["paint", "paint", "slice"]
+    with sqlite3.connect(tmp_path / "room.swproj") as connection:
+        bodies = [row[0] for row in connection.execute("SELECT body FROM operation ORDER BY seq")]
+    assert max(map(len, bodies)) < 500
+    assert '"ranges":[20,90]' in bodies[2]
+
+
+@pytest.mark.parametrize("ranges", [[0, 2**40], [-1, 2], [5, 2], [0.5, 3], []])
+def test_forged_strokes_are_refused_at_the_door(tmp_path, monkeypatch, ranges):
+    session = box_session()
+    session.save(tmp_path / "room.swproj")
+    monkeypatch.setattr(schema, "edit_values", lambda _: {"kind": "paint", "ranges": ranges, "onto_face": 70})
+    session.paint([0, 40], 70)
+    session.close()
+    with pytest.raises(ProjectError):
+        Session.open(tmp_path / "room.swproj", shapes.box(4))
+
+
+def test_a_forged_stroke_of_all_numbers_takes_no_memory_and_says_why_it_does_not_apply(tmp_path, monkeypatch):
+    session = box_session()
+    session.save(tmp_path / "room.swproj")
+    monkeypatch.setattr(schema, "edit_values", lambda _: {"kind": "paint", "ranges": [0, 2**31]})
+    session.paint([0, 40], 70)
+    session.close()
+    with Session.open(tmp_path / "room.swproj", shapes.box(4)) as again:
+        assert "there is no face 2147483647" in again.history[0].problem
+        assert len(again.to_frame()["faces"].iloc[1]) == 1000
