@@ -82,3 +82,23 @@ def test_in_other_layouts_it_fills_its_place(notebook, layout):
     view.point(*place)
     view.wait("hovered", part)
     assert book.errors == []
+
+
+def test_in_high_contrast_what_is_pressed_is_outlined_and_samples_keep_their_colours(saved):
+    saved.page.emulate_media(forced_colors="active")
+    outlines = saved.root.get_by_role("button", name="Outlines")
+    assert outlines.get_attribute("aria-pressed") == "true"
+    assert outlines.evaluate("button => getComputedStyle(button).outline").endswith("solid 2px")
+    saved.root.get_by_role("button", name="List of segments").click()
+    swatches = saved.root.locator("tbody .sw-swatch")
+    swatches.first.wait_for()
+    colors = swatches.evaluate_all("all => all.map(swatch => getComputedStyle(swatch).backgroundColor)")
+    assert len(set(colors)) == len(colors)
+
+
+def test_what_happens_is_told_to_those_who_do_not_see_it(saved):
+    told = saved.root.locator(".sw-unseen[role=status]")
+    assert told.inner_text() == ""
+    saved.root.get_by_role("button", name="List of segments").click()
+    saved.root.locator("tr[data-segment='1']").get_by_role("button", name="Show").click()
+    told.filter(has_text="1 segment hidden").wait_for(state="attached")

@@ -1,6 +1,7 @@
 /** The page around the picture: puts its pieces together and hands each what it shows. */
 
 import { segmentRows } from "../labels/segment_rows.js";
+import { createAnnouncer } from "./announcer.js";
 import { createAutosave } from "./autosave.js";
 import { element } from "./elements.js";
 import { createErrorBar } from "./error_bar.js";
@@ -54,6 +55,7 @@ export function createPanel(host, { send, on }) {
     if (!isShown) leave();
   });
   const legend = createLegend();
+  const announcer = createAnnouncer();
   const picked = createPickedBar(send, leave);
   const nameForm = createNameForm(send, leave);
   const band = createRubberBand();
@@ -73,15 +75,8 @@ export function createPanel(host, { send, on }) {
   const root = element("div", ATTRIBUTES, [
     element("div", { class: "sw-stage" }, [
       ...[canvas, twin, preview, band.element, cross, toolbar.element, legend.element, status.element],
-      ...[
-        progress.track,
-        history.element,
-        section.element,
-        picture.element,
-        dock,
-        nameForm.element,
-        help.element,
-      ],
+      ...[progress.track, history.element, section.element, picture.element, dock],
+      ...[nameForm.element, help.element, announcer.element],
     ]),
     list.element,
   ]);
@@ -188,6 +183,7 @@ export function createPanel(host, { send, on }) {
       autosave.update(state);
       help.update(state);
       status.update(state);
+      announcer.update(state);
       root.dataset.busy = String(state.busy);
       root.dataset.hidden = String(state.nHidden);
       root.dataset.pending = String(state.pending);

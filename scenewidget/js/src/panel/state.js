@@ -35,6 +35,7 @@ import { legendOf } from "./legend.js";
  * @property {import("./autosave.js").SaveState} saveState
  * @property {string} saveNote
  * @property {import("./notices.js").Notice[]} notices
+ * @property {number} nSegments
  * @property {number} nHidden  segments that aren't drawn
  * @property {string[]} vocabulary
  * @property {string[]} quickNames
@@ -86,6 +87,7 @@ export function panelState({ model, view, segments }, { tool, isLive, notices })
     undo: segments.undo,
     redo: segments.redo,
     pending: segments.pending.operations.length,
+    nSegments: segments.count,
     nHidden: countHidden(view.hidden, partition),
     vocabulary: model.get("vocabulary"),
     saveState: model.get("save_state"),
