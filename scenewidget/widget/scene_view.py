@@ -78,7 +78,8 @@ class SceneView(anywidget.AnyWidget):
     # --- what is shown ----------------------------------------------------------------------------
 
     color_by = traitlets.Enum(
-        ("segments", "parts", "confidence", "errors", "values", "normals", "scan", "shaded"), "shaded"
+        ("segments", "parts", "confidence", "borders", "errors", "values", "normals", "scan", "shaded"),
+        "shaded",
     ).tag(sync=True)
     """What a face's colour tells.
 
@@ -206,6 +207,9 @@ class SceneView(anywidget.AnyWidget):
     revision = traitlets.Int(0, read_only=True).tag(sync=True)
     """Grows whenever other segments are shown."""
 
+    offers_borders = traitlets.Bool(False, read_only=True).tag(sync=True)
+    """Whether ``color_by="borders"`` can be chosen."""
+
     errors_title = traitlets.Unicode(read_only=True).tag(sync=True)
     """Of the legend of the errors; "" = they can't be chosen."""
 
@@ -255,6 +259,8 @@ class SceneView(anywidget.AnyWidget):
     """(256, 3) uint8 sRGB of the values."""
     _face_error = traitlets.Bytes().tag(sync=True)
     """(n_faces,) uint8: 0 unknown, 1 right, 2 wrong."""
+    _face_border = traitlets.Bytes().tag(sync=True)
+    """(n_faces,) uint16 codes, see `unit_codes`."""
     _face_item = traitlets.Bytes().tag(sync=True)
     """(n_faces,) item of the preview, their number where there is none."""
     _preview_segment = traitlets.Bytes().tag(sync=True)
@@ -621,6 +627,23 @@ class SceneView(anywidget.AnyWidget):
         if verdicts.shape != (self.mesh.n_faces,) or verdicts.min() < 0 or verdicts.max() > 2:
             raise ValueError(f"errors must be 0, 1 or 2 for each of the {self.mesh.n_faces} faces")
         self._put("face_error", verdicts.astype(np.uint8))
+
+    def set_borders(self, doubtful: npt.ArrayLike) -> None:
+        """What ``color_by="borders"`` draws along borders: how likely each runs through one thing.
+
+        Parameters
+        ----------
+        doubtful : (n_faces,) float
+            0 to 1; NaN away from borders, drawn grey.
+        """
+        values = np.asarray(doubtful, np.float64)
+        if values.shape != (self.mesh.n_faces,):
+            raise ValueError(
+                f"doubtful must have shape ({self.mesh.n_faces},), one a face, got {values.shape}"
+            )
+        with self.hold_sync():
+            self._put("face_border", unit_codes(values))
+            self.set_trait("offers_borders", True)
 
     def show_preview(self, items: Items, item_labels: IntArray) -> None:
         """Show other segments for the moment; those of `set_segments` come back with `end_preview`.

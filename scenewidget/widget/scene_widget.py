@@ -28,6 +28,7 @@ from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.engine.stages import TITLES
 from scenewidget.widget.autosave import Autosave
+from scenewidget.widget.border_lines import border_lines
 from scenewidget.widget.controls import ParamsControls
 from scenewidget.widget.edit_commands import EditCommands
 from scenewidget.widget.previewer import Previewer, preview_params
@@ -141,6 +142,7 @@ class SceneWidget(widgets.VBox):
         self.pipeline = Pipeline(mesh)
         self._scorer = None if truth is None else Scorer(self.pipeline.mesh, truth)
         self._score_runner = Newest("scenewidget-scores")
+        self._border_runner = Newest("scenewidget-borders")
         channel = secrets.token_hex(8)
         self.view = SceneView(self.pipeline.mesh, height=height, editable=True, _channel=channel)
         self.controls = ParamsControls(params, _channel=channel)
@@ -169,6 +171,7 @@ class SceneWidget(widgets.VBox):
         if self._scorer is not None:
             self.view.offer_errors("Errors against the truth")
             self.view.observe(lambda _: self._score_runner.submit(self._score), "color_by")
+        self.view.observe(lambda _: self._border_runner.submit(self._draw_borders), "color_by")
         self.observe(self._take_params, "params")
         self.controls.observe(lambda change: self.set_trait("params", change["new"]), "params")
         self._compute()
@@ -235,6 +238,7 @@ class SceneWidget(widgets.VBox):
             stage = f" ({self.view.status})" if self.view.busy else ""
             raise TimeoutError(f"still computing{stage} after {timeout:g} seconds; wait(None) waits for ever")
         self._score_runner.wait(timeout)
+        self._border_runner.wait(timeout)
         with self._lock:
             if self._error is not None:
                 raise self._error
@@ -375,6 +379,7 @@ class SceneWidget(widgets.VBox):
         self._suggestion_bar.forget()
         if self._scorer is not None:
             self._score_runner.submit(self._score)
+        self._border_runner.submit(self._draw_borders)
         if self._is_observed:
             self._catch_up()
 
@@ -400,6 +405,15 @@ class SceneWidget(widgets.VBox):
             if errors is not None:
                 self.view.set_errors(errors)
 
+    def _draw_borders(self) -> None:
+        """Lines along the borders as they are now, where they are looked at; in a thread of its own."""
+        session = self.session
+        if session is None or self.view.color_by != "borders":
+            return
+        lines = border_lines(session.segmentation)
+        with self._lock:
+            self.view.set_borders(lines)
+
     def _show_progress(self, stage: str, fraction: float) -> None:
         with self._lock, self.view.hold_sync():
             self.view.status = TITLES.get(stage, stage)
@@ -416,6 +430,7 @@ class SceneWidget(widgets.VBox):
                 do = "doesn't" if lost == 1 else "don't"
                 summary += f"; {lost} of your edits {do} apply to it, the history (U) says why"
             self.controls.can_suggest = True
+            self.view.set_trait("offers_borders", True)
             self._end(summary)
         self._offer_family(params, self.pipeline.family(params))
         self._previewer.prepare(params)

@@ -5,7 +5,7 @@ import { hashedColor, packColor } from "./palette.js";
 import { NONE } from "./partition.js";
 
 /** @typedef {import("./partition.js").Partition} Partition */
-/** @typedef {"segments" | "parts" | "confidence" | "normals" | "scan" | "shaded" | "values" | "errors"} ColorBy */
+/** @typedef {"segments" | "parts" | "confidence" | "normals" | "scan" | "shaded" | "values" | "errors" | "borders"} ColorBy */
 
 /**
  * What the shader looks up by atom, four numbers each: segment, part, colour, and flags: 1 if it has a

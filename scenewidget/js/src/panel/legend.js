@@ -1,7 +1,7 @@
 /** What the colours mean: a bar from low to high, or a row of samples with their names. */
 
 import { confidenceColor, UNLIKELY } from "../labels/confidence.js";
-import { RIGHT_COLOR, WRONG_COLOR } from "../labels/face_values.js";
+import { BORDER_COLORS, RIGHT_COLOR, WRONG_COLOR } from "../labels/face_values.js";
 import { axisNames } from "../scene/upright.js";
 import { readArray } from "../wire/wire.js";
 import { element } from "./elements.js";
@@ -46,6 +46,14 @@ export function legendOf(model) {
         title: "Confidence",
         colors: Array.from({ length: N_STOPS }, (_, i) => `rgb(${confidenceColor(at(i)).join(" ")})`),
         ends: [`≤ ${UNLIKELY} unsure`, "1 sure"],
+      };
+    }
+    case "borders": {
+      const at = (/** @type {number} */ i) => `rgb(${BORDER_COLORS.slice(3 * i, 3 * i + 3).join(" ")})`;
+      return {
+        title: "Borders between",
+        colors: Array.from({ length: N_STOPS }, (_, i) => at(Math.round((255 * i) / (N_STOPS - 1)))),
+        ends: ["two things", "likely one"],
       };
     }
     case "errors": {

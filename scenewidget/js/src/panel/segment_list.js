@@ -18,7 +18,7 @@ const COLUMNS = [
   ["name", "Name", "Sort by name"],
   ["faces", "Faces", "Sort by number of faces"],
   ["area", "m²", "Sort by area in square metres"],
-  ["confidence", "Conf.", "Sort by confidence: how probably two faces of it belong together"],
+  ["confidence", "Conf.", "Sort by confidence: how probably its faces are right; the doubtful first"],
 ];
 const EYE =
   "M1.8 8S4 3.8 8 3.8 14.2 8 14.2 8 12 12.2 8 12.2 1.8 8 1.8 8ZM8 6.2a1.8 1.8 0 1 1 0 3.6 1.8 1.8 0 0 1 0-3.6";

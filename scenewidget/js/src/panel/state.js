@@ -11,6 +11,7 @@ import { legendOf } from "./legend.js";
  * @property {string} colorBy
  * @property {string} [errorsTitle]  what errors are shown against; "" = none can be shown
  * @property {boolean} hasScan
+ * @property {boolean} [offersBorders]  whether doubtful borders can be shown
  * @property {boolean} hasValues
  * @property {string} valuesTitle
  * @property {boolean} hasPartition
@@ -66,6 +67,7 @@ export function panelState({ model, view, segments }, { tool, isLive, notices })
     colorBy: model.get("color_by"),
     hasScan: mesh?.colors != null,
     errorsTitle: model.get("errors_title"),
+    offersBorders: model.get("offers_borders"),
     hasValues: readArray(model, "face_value") !== null,
     valuesTitle: model.get("values_legend").title ?? "",
     hasPartition: partition !== null,

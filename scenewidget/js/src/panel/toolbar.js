@@ -129,13 +129,14 @@ export function createToolbar(send, autosave) {
 
 /**
  * The ways of colouring that make sense now: value and text.
- * @param {Pick<PanelState, "hasPartition" | "hasConfidence" | "hasValues" | "hasScan" | "levels" | "errorsTitle" | "valuesTitle">} state
+ * @param {Pick<PanelState, "hasPartition" | "hasConfidence" | "hasValues" | "hasScan" | "levels" | "errorsTitle" | "offersBorders" | "valuesTitle">} state
  */
 export function colorings(state) {
   const all = /** @type {Array<[string, string, boolean]>} */ ([
     ["segments", "Segments", state.hasPartition],
     ["parts", "Parts", state.hasPartition && state.levels.length > 0],
     ["confidence", "Confidence", state.hasConfidence],
+    ["borders", "Doubtful borders", Boolean(state.offersBorders)],
     ["errors", "Errors", Boolean(state.errorsTitle)],
     ["values", state.valuesTitle || "Values", state.hasValues],
     ["normals", "Normals", true],

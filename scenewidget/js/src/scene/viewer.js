@@ -65,6 +65,7 @@ const COLOR_CODES = {
   shaded: 2,
   values: 3,
   errors: 3,
+  borders: 3,
   normals: 4,
 };
 
@@ -641,7 +642,7 @@ export class Viewer {
         colorBy === "scan" && !this.mesh?.colors ? 2 : COLOR_CODES[colorBy]
       ),
       mixing,
-      outlines: outlines && ["segments", "parts", "confidence", "errors"].includes(colorBy),
+      outlines: outlines && ["segments", "parts", "confidence", "errors", "borders"].includes(colorBy),
       outlinesParts: colorBy === "parts",
       hovered: this.isMoving ? NONE : hovered,
       picked,

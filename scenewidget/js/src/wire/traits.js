@@ -2,7 +2,7 @@
 
 const GEOMETRY = ["vertices", "faces", "vertex_colors", "up"];
 const PARTITION = ["face_atom", "atom_part", "atom_segment", "segment_colors", "atom_confidence"];
-const VALUES = ["face_value", "colormap", "face_error"];
+const VALUES = ["face_value", "colormap", "face_error", "face_border"];
 const PREVIEW = [
   ...["face_item", "preview_segment", "preview_colors", "is_preview"],
   ...["face_piece", "family_merges", "family_colors"],
@@ -14,6 +14,7 @@ export const GROUPS = {
   values: arrays(VALUES),
   state: [
     ...["color_by", "color_mix", "errors_title", "values_legend", "outlines", "back_faces", "section"],
+    "offers_borders",
     ...["height", "segment_list", "mode", "editable", "vocabulary", "quick_names"],
     ...["busy", "progress", "status", "error", "save_state", "save_note", "notices"],
     ...["undo_title", "redo_title", "history_shown", "history", "n_done"],
