@@ -21,7 +21,7 @@ from scenewidget.engine.kmedoids import Ties, alternate, initial_medoids
 from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
 from scenewidget.engine.monitor import SILENT, Monitor
 
-__all__ = ["MemberInit", "felzenszwalb_members", "k_medoids_members", "merge_flat"]
+__all__ = ["MemberInit", "felzenszwalb_members", "given_members", "k_medoids_members", "merge_flat"]
 
 MemberInit = Literal["random", "systematic", "sample", "outmost", "k-medoids++", "even"]
 SEAM_THRESHOLD = 3.0  # runs along whole seams: times as high, for a mean is more than the least
@@ -237,6 +237,50 @@ def _by_area(areas: FloatArray, count: int, offset: float) -> IntArray:
     ends = np.cumsum(areas)
     marks = (np.arange(count) + offset) / count * ends[-1]
     return np.unique(np.minimum(np.searchsorted(ends, marks), len(areas) - 1))
+
+
+def given_members(items: Items, members: Sequence[IntArray], n_runs: int) -> IntArray:
+    """Keys of labelings from elsewhere, each as often as is an eighth of the runs.
+
+    An item has the label of most of its area, −1 where most of it has none: the run says nothing about it.
+
+    Parameters
+    ----------
+    items : Items
+    members : sequence of (n_raw_faces,) int
+        −1 for unknown.
+    n_runs : int
+        Of the ensemble that they join.
+
+    Returns
+    -------
+    keys : (n, len(members) · max(1, n_runs // 8)) int32
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.ensemble import given_members
+    >>> from scenewidget.engine.items import patch_items
+    >>> items = patch_items(square(2), np.array([0, 0, 0, 0, 1, 1, 1, 1]))
+    >>> given_members(items, [np.array([7, 7, 7, 2, -1, -1, -1, 2])], n_runs=16).tolist()
+    [[1, 1], [-1, -1]]
+    """
+    keep = items.face_map >= 0
+    is_raw = len(items.item_of_face) == len(items.face_map)
+    area = items.mesh.face_areas[keep] if is_raw else np.ones(int(keep.sum()))
+    columns = []
+    for labels in members:
+        _, dense = np.unique(labels[keep], return_inverse=True)
+        n = int(dense.max(initial=0)) + 1
+        pairs, index = np.unique(items.face_map[keep].astype(np.int64) * n + dense, return_inverse=True)
+        total = np.bincount(index, area)
+        order = np.lexsort((-pairs, total, pairs // n))
+        winner = np.full(items.n, -1, dtype=np.int32)
+        winner[pairs[order] // n] = pairs[order] % n  # the last of an item has most of it
+        unknown = int((labels[keep] == -1).any())  # then it is the first of the sorted labels
+        columns.append(np.maximum(winner - unknown, -1))
+    return np.repeat(np.stack(columns, axis=1), max(1, n_runs // 8), axis=1).astype(np.int32)
 
 
 def _collect(

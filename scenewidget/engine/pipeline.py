@@ -9,12 +9,14 @@ from __future__ import annotations
 import dataclasses
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
+
+import numpy as np
 
 from scenewidget.engine.family import Family
 from scenewidget.engine.memo import Memo
-from scenewidget.engine.mesh import Mesh
+from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.monitor import Monitor, Progress
 from scenewidget.engine.params import Params
 from scenewidget.engine.readers import load
@@ -28,6 +30,7 @@ def segment(
     mesh: Mesh | Any,
     params: Params | None = None,
     *,
+    members: Sequence[IntArray] = (),
     progress: Progress | None = None,
     cancel: threading.Event | None = None,
 ) -> Segmentation:
@@ -39,6 +42,8 @@ def segment(
         In metres, normals pointing into free space.
     params : Params, optional
         `Params()` by default.
+    members : sequence of (n_faces,) int, optional
+        Labelings from elsewhere that join the ensemble; see `Pipeline`.
     progress : callable (stage: str, fraction: float), optional
         Called from the calling thread and from workers, never by two at once.
     cancel : threading.Event, optional
@@ -64,7 +69,7 @@ def segment(
     >>> segmentation.n_segments, segmentation.labels.shape
     (2, (200,))
     """
-    return Pipeline(mesh).run(params, progress=progress, cancel=cancel)
+    return Pipeline(mesh, members=members).run(params, progress=progress, cancel=cancel)
 
 
 class Pipeline:
@@ -73,6 +78,9 @@ class Pipeline:
     Parameters
     ----------
     mesh : Mesh, path, trimesh.Trimesh or (vertices, faces)
+    members : sequence of (n_faces,) int, optional
+        Labelings from elsewhere, −1 where they say nothing: another tool's, another person's, masks of
+        pictures projected on the mesh. Each joins the ensemble with the weight of an eighth of its runs.
     memory : float
         Bytes that remembered results may take; the ones used longest ago are forgotten first. Forgetting
         changes no answer. 2 GB by default.
@@ -90,8 +98,9 @@ class Pipeline:
     Items(2 items, 1 pairs)
     """
 
-    def __init__(self, mesh: Mesh | Any, *, memory: float = 2e9) -> None:
+    def __init__(self, mesh: Mesh | Any, *, members: Sequence[IntArray] = (), memory: float = 2e9) -> None:
         self.mesh = load(mesh)
+        self._members = _checked_members(self.mesh, members)
         self._memo = Memo(memory)
 
     def __repr__(self) -> str:
@@ -213,7 +222,26 @@ class Pipeline:
     def _input(
         self, need: str, table: Mapping[str, Stage], monitor: Monitor, timings: dict[str, float]
     ) -> Any:
-        return self.mesh if need == "mesh" else self._compute(need, table, monitor, timings)
+        given = {"mesh": self.mesh, "members": self._members}
+        return given[need] if need in given else self._compute(need, table, monitor, timings)
+
+
+def _checked_members(mesh: Any, members: Sequence[IntArray]) -> tuple[IntArray, ...]:
+    out = []
+    for i, given in enumerate(members):
+        labels = np.asarray(given)
+        if labels.dtype.kind not in "iu":
+            raise TypeError(
+                f"members[{i}] must be whole numbers, a label a face and −1 where it says nothing, "
+                f"got {labels.dtype}"
+            )
+        if labels.shape != (mesh.n_faces,):
+            raise ValueError(
+                f"members[{i}] must have a label a face, ({mesh.n_faces},), got {labels.shape}; "
+                "import_labels brings labels of another mesh onto this one"
+            )
+        out.append(np.maximum(labels, -1).astype(np.int64))
+    return tuple(out)
 
 
 def _checked(params: Params | None) -> Params:

@@ -31,7 +31,12 @@ from scenewidget.engine.distances import (
     warn_of_vanishing_features,
     weight_graph,
 )
-from scenewidget.engine.ensemble import MemberInit, felzenszwalb_members, k_medoids_members
+from scenewidget.engine.ensemble import (
+    MemberInit,
+    felzenszwalb_members,
+    given_members,
+    k_medoids_members,
+)
 from scenewidget.engine.family import Family, fine_pieces, make_family
 from scenewidget.engine.features import (
     delta_coordinates,
@@ -88,7 +93,7 @@ class Stage:
     run : callable
         Called with the results of ``needs``, the options by their names, and ``monitor``.
     needs : tuple of str
-        Steps above it in the table; "mesh" is the mesh as loaded.
+        Steps above it in the table; "mesh" is the mesh as loaded, "members" what joins the ensemble.
     options : tuple of (name, value)
         All that it can see of the parameters.
     key : hashable
@@ -150,7 +155,7 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
         **options: Hashable,
     ) -> None:
         seen = tuple(options.items())
-        key = (name, variant, seen, tuple(table[need].key for need in needs if need != "mesh"))
+        key = (name, variant, seen, tuple(table[need].key for need in needs if need in table))
         table[name] = Stage(name, TITLES[name], run, needs, seen, key, recalls)
 
     # fmt: off
@@ -184,7 +189,8 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
     if p.n_graph_runs:
         step("graph_runs", _graph_runs, "items",
              n_runs=p.n_graph_runs, exponent=p.cost_exponent, hop=p.hop, seed=p.seed)
-    step("ensemble", _ensemble, "items", "distances", "allocation", *["graph_runs"] * bool(p.n_graph_runs),
+    step("ensemble", _ensemble, "items", "distances", "allocation", "members",
+         *["graph_runs"] * bool(p.n_graph_runs),
          k_range=p.k_bounds, n_runs=p.n_runs, init=p.init, ties=p.medoid_ties, seed=p.seed,
          merge=(p.merge_flatness, p.merge_normal, p.merge_seam) if p.merge else None)
 
@@ -330,6 +336,7 @@ def _ensemble(
     items: Items,
     distances: tuple[Any, ...],
     share: FloatArray,
+    members: tuple[IntArray, ...],
     graph_runs: IntArray | None = None,
     *,
     monitor: Monitor,
@@ -357,7 +364,8 @@ def _ensemble(
             monitor=monitor,
         )
         keys.insert(0, runs)
-    return np.concatenate(keys, axis=1)
+    own = np.concatenate(keys, axis=1)
+    return np.concatenate([own, given_members(items, members, own.shape[1])], axis=1) if members else own
 
 
 # --- the consensus --------------------------------------------------------------------------------

@@ -148,9 +148,7 @@ def main() -> None:
         ours = [sw.segment(mesh, sw.Params(seed=seed)).labels for seed in arguments.seeds]
         seconds = (time.process_time() - start) / len(ours)
         own = np.mean([errors(mesh, labels, truth) for labels in ours], axis=0)
-        print(
-            f"{name}: default 1-RI/GCE/LCE {np.round(own, 4)}, {seconds:.1f} CPU s, {ours[0].max() + 1} segments"
-        )
+        print(f"{name}: {np.round(own, 4)}, {seconds:.1f} CPU s, {ours[0].max() + 1} segments")
         others = [(f"seed {seed}", labels) for seed, labels in zip(arguments.seeds[1:], ours[1:])]
         for what, labels in itertools.chain(others, () if arguments.no_variants else variants(mesh)):
             by_area, plain = agreement(ours[0], labels, mesh.face_areas, crumb(mesh))

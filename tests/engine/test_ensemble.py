@@ -12,6 +12,8 @@ from scenewidget.engine.items import simplified_items
 from scenewidget.engine.kmedoids import INITS
 from scenewidget.engine.mesh import Mesh, face_adjacency
 from scenewidget.engine.monitor import Cancelled, Monitor
+from scenewidget.engine.params import Params
+from scenewidget.engine.pipeline import segment
 
 
 def items_of(mesh):
@@ -173,3 +175,27 @@ def test_merging_only_joins_and_twice_is_once(seed):
     once = merge_flat(items, labels.astype(np.int32))
     assert (together(labels) <= together(once)).all()
     np.testing.assert_array_equal(merge_flat(items, once), once)
+
+
+# --- members from elsewhere -----------------------------------------------------------------------
+
+
+def test_members_from_elsewhere_are_heard_and_unknown_ones_say_nothing():
+    mesh, parts = shapes.room(8, noise=0.003)
+    params = Params(n_graph_runs=8, n_runs=3)
+    alone = segment(mesh, params)
+    silent = segment(mesh, params, members=[np.full(mesh.n_faces, -1)])
+    np.testing.assert_array_equal(alone.labels, silent.labels)
+    names = np.random.default_rng(0).permutation(100)
+    told, renamed = (segment(mesh, params, members=[m] * 20) for m in (parts, names[parts]))
+    np.testing.assert_array_equal(told.labels, renamed.labels)
+    partial = segment(mesh, params, members=[np.where(parts < 6, -1, parts)] * 20)
+    np.testing.assert_array_equal(partial.labels[parts < 6] == 0, alone.labels[parts < 6] == 0)
+
+
+def test_members_that_fit_no_face_are_refused():
+    mesh = shapes.box(3)
+    with pytest.raises(ValueError, match=r"members\[0\] must have a label a face, \(108,\), got \(5,\)"):
+        segment(mesh, members=[np.zeros(5, int)])
+    with pytest.raises(TypeError, match=r"members\[1\] must be whole numbers"):
+        segment(mesh, members=[np.zeros(108, int), np.zeros(108)])
