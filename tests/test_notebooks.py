@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from scenewidget import exercises
+
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "notebooks").glob("*.ipynb"))
 
 
@@ -28,6 +30,35 @@ def test_it_is_small_and_names_no_machine(path):
     text = path.read_text()
     assert len(text) < 500_000
     assert re.findall(r"/(?:home|root|tmp|work|usr|Users)/[\w./-]*|[A-Z]:\\\\\w+|0x[0-9a-f]{8,}", text) == []
+
+
+def test_it_opens_with_goals_and_ends_with_what_was_learnt(path):
+    if path.name[:2] > "06":
+        pytest.skip("not brought to this form yet")
+    markdown = [
+        "".join(c["source"]) for c in json.loads(path.read_text())["cells"] if c["cell_type"] == "markdown"
+    ]
+    for part in ("**Goals.**", "**You need**", "**Minutes:**", "**Builds on**"):
+        assert part in markdown[0]
+    ends = [text for text in markdown if text.startswith("## What you can do now")]
+    assert len(ends) == 1
+    assert "## References" in ends[0]
+
+
+def test_its_exercises_are_those_of_the_package_and_show_no_answer(path):
+    number = path.name[:2]
+    if not "02" <= number <= "06":
+        pytest.skip("its exercises are its own")
+    cells = json.loads(path.read_text())["cells"]
+    texts = {
+        kind: ["".join(c["source"]) for c in cells if c["cell_type"] == kind] for kind in ("markdown", "code")
+    }
+    for name in exercises.names(number):
+        assert any(exercises.question(name) in text for text in texts["markdown"]), name
+        (cell,) = [text for text in texts["code"] if f'exercises.check("{name}"' in text]
+        assert cell.startswith("answer = ...") or "return ..." in cell
+    checks = [c for c in cells if "exercises.check(" in "".join(c["source"]) and c["cell_type"] == "code"]
+    assert {"".join(o["text"]) for c in checks for o in c["outputs"]} == {"not answered yet\n"}
 
 
 def test_it_prints_no_timings(path):
