@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from scenewidget.editing.edits import Edit, EditError, Relabel
+from scenewidget.editing.edits import Edit, EditError, Relabel, edit_from_dict
 from scenewidget.editing.session import Event, Session, Step
 from scenewidget.editing.vocabulary import NYU40, quick_names
 from scenewidget.engine.mesh import IntArray
@@ -25,7 +25,15 @@ from scenewidget.widget.wire import face_bits
 
 __all__ = ["EditCommands"]
 
-KINDS = ("merge", "split", "relabel", "cut", "undo", "redo", "go_to")
+FREE_FORM = {  # edits face by face: what a message may say of each
+    "paint": ("ranges", "onto_face"),
+    "slice": ("face", "point", "normal"),
+    "grow": ("face", "rings"),
+    "shrink": ("face", "rings"),
+    "fill_holes": ("face", "max_faces"),
+    "smooth_border": ("face", "rounds"),
+}
+KINDS = ("merge", "split", "relabel", "cut", *FREE_FORM, "undo", "redo", "go_to")
 MOST_STEPS = 300  # so many of the done steps are listed, and so many of the undone
 
 
@@ -165,6 +173,9 @@ class EditCommands:
             session.split(message["face"], message["level"])
         elif kind == "cut":
             session.cut(message["face_a"], message["face_b"])
+        elif kind in FREE_FORM:
+            said = {key: message[key] for key in FREE_FORM[kind] if key in message}
+            session.do(edit_from_dict({"kind": kind, **said}))
         else:
             session.relabel(message["face"], message["name"])
 

@@ -263,3 +263,45 @@ def test_help_and_toolbar_offer_every_tool(editor):
         assert words in text
     for name in ("Merge", "Brush", "Cut", "Undo", "Redo", "History", "Save"):
         assert editor.button(name).is_visible()
+
+
+def test_a_stroke_of_the_round_brush_draws_a_segment_and_a_second_one_adds_to_it(editor):
+    (_, (x, y)), *_ = three(editor)
+    editor.button("Paint").click()
+    editor.view.wait("tool", "paint")
+    editor.press((x - 10, y))
+    editor.view.point(x + 10, y)
+    editor.view.wait("segments", str(editor.n + 1))  # shown while the button is down
+    assert editor.edits() == []
+    editor.page.mouse.up()
+    editor.settled(editor.n + 1)
+    assert editor.python("len(w.session.edits[0].faces)") > 20
+    editor.view.drag((x - 10, y), (x - 10, y - 40))
+    editor.settled(editor.n + 1)
+    assert editor.edits() == ["Paint", "Paint"]
+    assert editor.python("w.session.edits[1].onto_face in w.session.edits[0].faces")
+    both = "[*w.session.edits[0].faces, *w.session.edits[1].faces]"
+    assert editor.python(f"len(set(w.segmentation.labels[{both}]))") == 1
+    if folder := os.environ.get("SCENEWIDGET_SHOTS"):
+        editor.root.screenshot(path=f"{folder}/paint.png")
+    editor.page.keyboard.press("Control+z")
+    editor.page.keyboard.press("Control+z")
+    editor.settled(editor.n)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no way to let a kernel pause")
+def test_strokes_are_kept_while_the_kernel_is_busy(editor):
+    (_, (x, y)), *_ = three(editor)
+    editor.page.keyboard.press("m")
+    editor.view.wait("tool", "paint")
+    kernel = editor.python("__import__('os').getpid()")
+    os.kill(kernel, signal.SIGSTOP)
+    try:
+        editor.click((x - 25, y))
+        editor.click((x + 25, y))
+        editor.view.wait("segments", str(editor.n + 2))
+        assert editor.view.state("pending") == "2"
+    finally:
+        os.kill(kernel, signal.SIGCONT)
+    editor.settled(editor.n + 2)
+    assert editor.edits() == ["Paint", "Paint"]

@@ -7,6 +7,7 @@ import pytest
 import shapes
 
 import scenewidget as sw
+from scenewidget.editing.face_set import FaceSet
 from scenewidget.editing.partition import Partition
 from scenewidget.palette import adjacent_segments, segment_colors
 from scenewidget.widget.autosave import Autosave
@@ -202,3 +203,26 @@ def test_the_preview_of_a_cut_crosses_as_bits(commands, monkeypatch):
     faces = content["first"] + np.flatnonzero(np.unpackbits(np.frombuffer(bits, np.uint8), bitorder="little"))
     np.testing.assert_array_equal(faces, commands.session.preview_cut(a, b))
     assert (commands.session.edits, commands._view.error) == ([], "")
+
+
+def test_free_form_edits_come_as_messages_and_what_is_wrong_is_said(commands, mesh):
+    view, session = commands._view, commands.session
+    face = int(np.flatnonzero(session.automatic.labels == 0)[0])
+    inside = np.flatnonzero(session.automatic.labels == 0)[:7]
+    ranges = FaceSet(inside).ranges.tolist()
+    middle = mesh.face_centroids[session.automatic.labels == 0].mean(axis=0).tolist()
+    for message in (
+        {"kind": "paint", "ranges": ranges, "onto_face": None},
+        {"kind": "grow", "face": face, "rings": 2},
+        {"kind": "undo"},
+        {"kind": "slice", "face": int(np.flatnonzero(session.automatic.labels == 0)[-1]), "point": middle,
+         "normal": [1.0, 1.0, 1.0]},
+    ):  # fmt: skip
+        commands.handle({**message, "revision": view.revision})
+    assert [step.title for step in session.history] == ["New segment of 7 faces", "Slice"]
+    assert len(set(session.segmentation.labels[inside])) == 1
+    commands.handle({"kind": "paint", "ranges": ranges, "onto_face": face, "revision": view.revision})
+    assert view.status == f"All faces are in the segment under onto_face {face} already"
+    with pytest.raises(ValueError, match="ranges must hold"):
+        commands.handle({"kind": "paint", "ranges": [5, 2], "revision": view.revision})
+    assert len(session.history) == 2

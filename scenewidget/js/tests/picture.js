@@ -14,6 +14,8 @@ export function fakePicture({ mode = "edit", level = "base" } = {}) {
     ...{ size: { width: 100, height: 50 }, isMoving: false, look: {}, partition: null, looked: [] },
     faceAt: (/** @type {{ x: number }} */ { x }) => (x < 90 ? x : null),
     pointAt: (/** @type {{ x: number }} */ { x }) => (x < 90 ? [x, 0, 0] : null),
+    facesAround: (/** @type {{ x: number }} */ { x }) =>
+      new Set([x - 1, x, x + 1].filter((face) => face >= 0 && face < 90)),
     placeOf: (/** @type {number[]} */ [x]) => ({ x, y: 0 }),
     partOf: (/** @type {number} */ face) => Math.floor(face / 5),
     segmentOf: (/** @type {number} */ face) => Math.floor(face / 10),
@@ -30,6 +32,7 @@ export function fakePicture({ mode = "edit", level = "base" } = {}) {
     ...{ level, count: 9, names: {}, offcut: null, sketch: null, nReads: 0 },
     pending: { operations: [] },
     titleOf: () => "Part",
+    baseOf: (/** @type {number} */ face) => view.segmentOf(face),
     isTarget: (/** @type {number} */ face, /** @type {number} */ onto) =>
       view.segmentOf(face) !== view.segmentOf(onto),
     read: () => segments.nReads++,

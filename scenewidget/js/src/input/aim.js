@@ -7,7 +7,7 @@ import { hintOf } from "./hints.js";
 /** @typedef {import("./gestures.js").Place} Place */
 /** @typedef {ReturnType<typeof createAim>} Aim */
 
-const POINTING = ["idle", "tap", "press", "link", "dab", "brush"]; // phases of a gesture that aim at something
+const POINTING = ["idle", "tap", "press", "link", "dab", "brush", "paint"]; // phases of a gesture that aim at something
 
 /**
  * @param {import("./messages.js").Around & {

@@ -6,8 +6,8 @@
  * pans in both; a right click splits in "edit".
  *
  * Tools: "merge" puts the part that a drag starts on onto the part it ends on; "brush" puts all parts that it
- * passes over onto the one it starts on; "cut" divides the segment between the ends. Instead of a drag, the
- * ends can be clicked one after the other.
+ * passes over onto the one it starts on; "cut" divides the segment between the ends; "paint" takes the faces
+ * under a round brush. Instead of a drag, the ends of a merge or a cut can be clicked one after the other.
  *
  * A finger orbits in both modes, two pan and zoom; a tap is a click, a long press a right click. With the brush
  * in hand one finger paints. A pen is a mouse whose long press is a right click.
@@ -21,7 +21,7 @@ const TAP_TRAVEL = 10; // a finger is less steady
 const MOST_GATHERED = 5000;
 
 /** @typedef {"navigate" | "edit"} Mode */
-/** @typedef {"merge" | "brush" | "cut"} Tool */
+/** @typedef {"merge" | "brush" | "cut" | "paint"} Tool */
 /** @typedef {import("../labels/partition.js").Hit} Hit */
 /** @typedef {import("../scene/camera.js").Place} Place */
 
@@ -42,9 +42,9 @@ const MOST_GATHERED = 5000;
 
 /**
  * @typedef {object} Gesture
- * @property {"idle" | "orbit" | "pan" | "pinch" | "tap" | "press" | "link" | "aside" | "dab" | "brush"} phase  tap: a finger
+ * @property {"idle" | "orbit" | "pan" | "pinch" | "tap" | "press" | "link" | "aside" | "dab" | "brush" | "paint"} phase  tap: a finger
  *   before it leaves its place; press, link: left button on a part before and after leaving its place; dab, brush: the same with the brush; aside: right
- *   button before it moves
+ *   button before it moves; paint: the round brush is down
  * @property {Record<number, Place>} pointers  those that are down, where they were last
  * @property {Place} start
  * @property {Hit | null} from  part that the press began on
@@ -56,7 +56,7 @@ const MOST_GATHERED = 5000;
 
 /**
  * @typedef {import("../scene/viewer.js").Movement
- *   | { kind: "click" | "split", face: number }
+ *   | { kind: "click" | "split" | "paint", face: number }
  *   | { kind: "merge", face: number | number[], onto: number }
  *   | { kind: "cut", face: number, onto: number }} Action
  */
@@ -87,6 +87,7 @@ export function step(gesture, event, mode, tool = "merge") {
       return [IDLE, [{ kind: "split", face: gesture.from.face }]];
     case "choose":
       if (gesture.phase !== "idle" || !event.hit) return [gesture, []];
+      if (tool === "paint") return [IDLE, [{ kind: "paint", face: event.hit.face }]];
       if (tool !== "brush") return choose(gesture, event.hit, tool);
       return [{ ...IDLE, stroke: gather(gesture.stroke, event.hit) }, []];
     case "finish":
@@ -112,6 +113,8 @@ function press(gesture, event, mode, tool) {
   const isEdit = mode === "edit" && event.hit;
   if (event.button === 2) return { ...next, phase: isEdit ? "aside" : "pan" };
   if (event.button === 1) return { ...next, phase: "pan" };
+  if (isEdit && !event.shift && tool === "paint")
+    return { ...next, phase: "paint", picked: null, stroke: null };
   if (isEdit && event.hit && !event.shift && (tool === "brush" || event.brush))
     return { ...next, phase: "dab", picked: null, stroke: gather(gesture.stroke, event.hit) };
   if (event.isTouch) return { ...next, phase: "tap" };
@@ -189,6 +192,7 @@ function release(gesture, event, mode, tool) {
   }
   if (from && (phase === "press" || (phase === "tap" && mode === "edit"))) return choose(gesture, from, tool);
   if (phase === "brush") return [IDLE, event.isOutside ? [] : merged(gesture.stroke)];
+  if (phase === "paint" && from) return [IDLE, [{ kind: "paint", face: from.face }]];
   if (phase === "aside" && from) return [IDLE, [{ kind: "split", face: from.face }]];
   const isClick = phase === "orbit" && !event.isTouch && travel(gesture.start, event) < CLICK_TRAVEL;
   if (isClick || phase === "tap") {

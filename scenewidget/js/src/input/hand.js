@@ -3,6 +3,7 @@
 import { NONE } from "../labels/partition.js";
 import { FINAL } from "../labels/prediction.js";
 import { IDLE, step } from "./gestures.js";
+import { createPaint } from "./paint.js";
 
 /** @typedef {import("../scene/camera.js").Vec3} Vec3 */
 /** @typedef {import("./gestures.js").Action} Action */
@@ -24,6 +25,8 @@ export function createHand({ model, view, segments, root, send, on }) {
     seeds: /** @type {[Vec3, Vec3] | null} */ (null), // of a cut that Python is about
   };
 
+  const paint = createPaint({ view, segments, send });
+
   /** @param {PointerEventLike} event */
   function feed(event) {
     const before = gesture;
@@ -32,6 +35,9 @@ export function createHand({ model, view, segments, root, send, on }) {
     if (next.picked && next.picked !== before.picked) points.picked = points.press;
     root.dataset.gesture = next.phase;
     if (next.stroke?.gathered.length !== before.stroke?.gathered.length) sketch();
+    const isPaint = next.phase === "paint" || actions.some(({ kind }) => kind === "paint");
+    if (isPaint && event.type !== "hold") paint.add(event, next.from?.face ?? event.hit?.face ?? null);
+    else if (before.phase === "paint") paint.drop();
     for (const action of actions) {
       if (action.kind === "cut") {
         const start = before.phase === "link" ? points.press : points.picked;
@@ -55,6 +61,9 @@ export function createHand({ model, view, segments, root, send, on }) {
         break;
       case "cut":
         send({ kind: "edit", edit: { kind: "cut", face_a: action.face, face_b: action.onto } });
+        break;
+      case "paint":
+        paint.finish();
         break;
       case "click":
         break;

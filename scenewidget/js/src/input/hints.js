@@ -4,6 +4,8 @@ import { counted, segmentTitle } from "../labels/description.js";
 
 /** @typedef {import("./gestures.js").Hit} Hit */
 
+const PAINT = "Paint: drag inside a segment to draw a new one, or out of it to add to it";
+
 /**
  * @param {object} hand
  * @param {import("./gestures.js").Gesture} hand.gesture
@@ -23,6 +25,7 @@ export function hintOf({ gesture, tool }, segments, isSought) {
     return { text: `Brush: ${what} ${segments.titleOf(stroke.onto)}`, of: "stroke" };
   }
   if (tool === "cut") return { text: cutHint(picked, segments, isSought), of: "hint" };
+  if (tool === "paint") return { text: PAINT, of: "hint" };
   if (tool === "brush") return { text: "Brush: drag over parts to gather them onto the first", of: "hint" };
   return { text: picked && `${segments.titleOf(picked)}: click what to merge it with`, of: "part" };
 }

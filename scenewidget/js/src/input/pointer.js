@@ -8,7 +8,7 @@ import { placeOn } from "./place.js";
 const HOLD_MS = 500; // a long press
 const BRUSH_STEP = 5; // pixels: a fast brush misses nothing that is wider
 const IS_MAC = /mac/i.test(globalThis.navigator?.platform ?? "");
-const DOWN = ["tap", "press", "link", "aside", "dab", "brush"]; // phases that end when the pointer is taken away
+const DOWN = ["tap", "press", "link", "aside", "dab", "brush", "paint"]; // phases that end when the pointer is taken away
 
 /**
  * @param {import("./messages.js").Around & {
@@ -51,7 +51,8 @@ export function listenToPointer({ model, view, root, canvas, hand, aim, signal }
     const { pointerId: id, button, shiftKey: shift } = event;
     const brush = event.metaKey || (event.ctrlKey && !IS_MAC); // there, Ctrl makes a right click
     const kind = { id, button, shift, brush, isOutside, isTouch };
-    if (type === "move" && hand.gesture.stroke && last && !isOutside) {
+    const isStroke = hand.gesture.stroke || hand.gesture.phase === "paint";
+    if (type === "move" && isStroke && last && !isOutside) {
       for (const between of placesBetween(last, place, BRUSH_STEP))
         hand.feed({ type, ...kind, ...between, hit: view.hitAt(between) });
     }

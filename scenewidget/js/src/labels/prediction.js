@@ -5,12 +5,14 @@
  * The rules are those of `scenewidget.editing.partition`; where they should ever differ, Python's answer wins.
  */
 
+import { painted } from "./painting.js";
 import { NONE } from "./partition.js";
 
 /**
  * @typedef {{ kind: "merge", face: number | number[], onto_face: number, level: string }
  *   | { kind: "split", face: number, level: string }
  *   | { kind: "cut", face_a: number, face_b: number }
+ *   | { kind: "paint", ranges: number[], onto_face: number | null }
  *   | { kind: "relabel", face: number, name: string }} Edit
  */
 
@@ -22,12 +24,17 @@ import { NONE } from "./partition.js";
  * @property {Record<string, Uint32Array>} parts  of each atom, by level
  */
 
-/** @typedef {{ atomSegment: Uint32Array, names: Record<string, string> }} Labels */
+/**
+ * @typedef {object} Labels
+ * @property {Uint32Array} atomSegment
+ * @property {Record<string, string>} names
+ * @property {import("./painting.js").FinerGround} [finer]  the ground, where painting has divided atoms
+ */
 
 /** The level whose parts, to a merge, are the segments as they are now. */
 export const FINAL = "final";
 
-const TITLES = { merge: "Merge", split: "Split", relabel: "Name", cut: "Cut" };
+const TITLES = { merge: "Merge", split: "Split", relabel: "Name", cut: "Cut", paint: "Paint" };
 
 /**
  * The labels after an edit, or why it can't be done.
@@ -37,6 +44,8 @@ const TITLES = { merge: "Merge", split: "Split", relabel: "Name", cut: "Cut" };
  * @returns {Labels | string}
  */
 export function foresee(ground, labels, edit) {
+  ground = labels.finer ?? ground;
+  if (edit.kind === "paint") return afterPaint(ground, labels, edit);
   if (edit.kind === "cut") return beforeCut(ground, labels, edit);
   const first = Array.isArray(edit.face) ? edit.face[0] : edit.face;
   const home = labels.atomSegment[ground.faceAtom[first]];
@@ -65,6 +74,7 @@ export function foresee(ground, labels, edit) {
  * @param {Extract<Edit, { kind: "merge" }>} edit
  */
 export function canMerge(ground, labels, edit) {
+  ground = labels.finer ?? ground;
   const moves = movedAtoms(ground, labels, edit);
   const target = labels.atomSegment[ground.faceAtom[edit.onto_face]];
   return moves !== null && target !== NONE && joins(labels, moves, target);
@@ -81,6 +91,21 @@ function beforeCut({ faceAtom }, labels, { face_a, face_b }) {
   const [a, b] = [labels.atomSegment[faceAtom[face_a]], labels.atomSegment[faceAtom[face_b]]];
   if (a === NONE || b === NONE) return "This surface is unlabeled: there is no segment to cut";
   return a === b ? { ...labels } : "A cut needs two points of the same segment";
+}
+
+/**
+ * @param {Ground} ground
+ * @param {Labels} labels
+ * @param {Extract<Edit, { kind: "paint" }>} edit
+ * @returns {Labels | string}
+ */
+function afterPaint(ground, labels, { ranges, onto_face }) {
+  const target =
+    onto_face === null ? highest(labels.atomSegment) + 1 : labels.atomSegment[ground.faceAtom[onto_face]];
+  if (target === NONE) return "That surface is unlabeled: there is no segment to paint onto";
+  const after = painted(ground, labels.atomSegment, ranges, target);
+  if (!after) return "These faces are in this segment already";
+  return { ...withNames(labels.names, after.atomSegment, target), finer: after.ground };
 }
 
 /** @param {Labels} labels @param {(atom: number) => boolean} moves @param {number} target */
@@ -174,8 +199,17 @@ function movedByOne({ faceAtom, parts }, { atomSegment }, { kind, face, level })
  * @param {number} target
  * @returns {Labels}
  */
-function moved({ atomSegment, names }, moves, target) {
+function moved({ atomSegment, names, finer }, moves, target) {
   const after = atomSegment.map((segment, atom) => (moves(atom) ? target : segment));
+  return { ...withNames(names, after, target), ...(finer && { finer }) };
+}
+
+/**
+ * @param {Record<string, string>} names  before
+ * @param {Uint32Array} after  segments of the atoms
+ * @param {number} target  that has taken some
+ */
+function withNames(names, after, target) {
   const living = new Set(after);
   const gone = Object.keys(names).filter((segment) => !living.has(Number(segment)));
   const kept = Object.fromEntries(Object.entries(names).filter(([segment]) => living.has(Number(segment))));

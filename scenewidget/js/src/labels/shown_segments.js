@@ -4,6 +4,7 @@ import { readArray } from "../wire/wire.js";
 import { meanConfidence } from "./confidence.js";
 import { describeFace, segmentTitle } from "./description.js";
 import { divided } from "./offcut.js";
+import { finerTables } from "./painting.js";
 import { countSegments, makePartition, NONE } from "./partition.js";
 import { pendingOf } from "./pending.js";
 import { canMerge, FINAL, foresee, highest, NOTHING, replay } from "./prediction.js";
@@ -38,6 +39,8 @@ export class ShownSegments {
     this.shown = null;
     /** An edit that is being made: shown, but not told. @type {import("./prediction.js").Edit | null} */
     this.sketch = null;
+    /** The segments without a stroke that is being painted. @type {{ faceAtom: Uint32Array, atomSegment: Uint32Array } | null} */
+    this.base = null;
     /** What a cut would divide off, shown as if it were done, while `under` are the segments. @type {{ under: Uint32Array, segment: number, nFaces: number, tables: Tables } | null} */
     this.offcut = null;
     /** Whether something else is shown for the moment. */
@@ -64,6 +67,10 @@ export class ShownSegments {
     const labels = { atomSegment, names: model.get("segment_names") };
     const operations = this.sketch ? [...this.pending.operations, this.sketch] : this.pending.operations;
     this.shown = replay(this.ground, labels, operations);
+    if (this.sketch?.kind !== "paint")
+      this.base = { faceAtom: (this.shown.labels.finer ?? this.ground).faceAtom, ...this.shown.labels };
+    const { finer } = this.shown.labels;
+    this.ground = finer ?? this.ground;
     const preview = this.preview.tables();
     this.isPreview = preview !== null;
     if (preview) {
@@ -72,7 +79,8 @@ export class ShownSegments {
     }
     const level = this.level === FINAL ? -1 : model.get("levels").indexOf(this.level);
     const { atomSegment: under } = this.shown.labels;
-    this.tables = { faceAtom, atomSegment: under, atomPart, segmentColors, atomConfidence };
+    const tables = { faceAtom, atomSegment: under, atomPart, segmentColors, atomConfidence };
+    this.tables = finer ? finerTables(tables, finer, model.get("levels")) : tables;
     if (this.offcut?.under !== under) this.offcut = null;
     this.#show(makePartition(this.offcut?.tables ?? this.tables, level, picture.mesh));
   }
@@ -102,6 +110,11 @@ export class ShownSegments {
   segmentOf(face) {
     const { ground, atomSegment, offcut } = this;
     return offcut && ground && atomSegment ? atomSegment[ground.faceAtom[face]] : this.#shownSegmentOf(face);
+  }
+
+  /** Segment under a face, whatever the stroke that is being painted. @param {number} face */
+  baseOf(face) {
+    return this.base ? this.base.atomSegment[this.base.faceAtom[face]] : NONE;
   }
 
   /** @param {number} face */

@@ -1,4 +1,4 @@
-/** What a drag does in edit mode: merge, brush or cut. */
+/** What a drag does in edit mode: merge, brush, cut or paint. */
 
 import { element, iconButton } from "./elements.js";
 
@@ -10,6 +10,7 @@ export function createToolbox(setTool) {
     merge: iconButton("merge", "Merge", "drag, or click twice"),
     brush: iconButton("brush", "Brush", "G, or Ctrl + drag"),
     cut: iconButton("cut", "Cut", "C"),
+    paint: iconButton("paint", "Paint", "M"),
   };
   const tools = /** @type {Tool[]} */ (Object.keys(buttons));
   let shown = /** @type {Tool} */ ("merge");

@@ -31,6 +31,34 @@ export function faceIn({ numbers: { width, height, bytes } }, { x, y }, size) {
 }
 
 /**
+ * Faces within so many pixels of a place, as far as they are seen.
+ * @param {Snapshot} snapshot
+ * @param {Place} place
+ * @param {number} radius  CSS pixels
+ * @param {Size} size
+ * @returns {Set<number>}
+ */
+export function facesAround({ numbers: { width, height, bytes } }, { x, y }, radius, size) {
+  const [toX, toY] = [width / size.width, height / size.height];
+  const [middleX, middleY] = [x * toX, height - y * toY];
+  /** @type {Set<number>} */
+  const faces = new Set();
+  const first = Math.max(0, Math.floor(middleY - radius * toY));
+  const last = Math.min(height - 1, Math.floor(middleY + radius * toY));
+  for (let row = first; row <= last; row++) {
+    const up = (row + 0.5 - middleY) / (radius * toY);
+    const half = radius * toX * Math.sqrt(Math.max(0, 1 - up * up));
+    const end = Math.min(width - 1, Math.floor(middleX + half));
+    for (let column = Math.max(0, Math.floor(middleX - half)); column <= end; column++) {
+      const i = 4 * (row * width + column);
+      const number = bytes[i] | (bytes[i + 1] << 8) | (bytes[i + 2] << 16);
+      if (number > 0) faces.add(number - 1);
+    }
+  }
+  return faces;
+}
+
+/**
  * Point of the surface at a place; null on the background and outside.
  * @param {Snapshot} snapshot
  * @param {Place} place

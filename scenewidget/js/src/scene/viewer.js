@@ -26,7 +26,7 @@ import { between, shorterTurn } from "./flight.js";
 import { boundingBall, coarse, sample } from "./geometry.js";
 import { SceneRenderer } from "./renderer.js";
 import { belowCeiling, boxOf, extentOf, isWhole, pointsInside, WHOLE } from "./section.js";
-import { faceIn, pointIn, rayAt } from "./snapshot.js";
+import { faceIn, facesAround, pointIn, rayAt } from "./snapshot.js";
 import { dolly, goTo, lookAround, lookTo, standing, standingPlace, walked } from "./walk.js";
 
 /** @typedef {import("./camera.js").Camera} Camera */
@@ -407,6 +407,16 @@ export class Viewer {
   faceAt(place) {
     if (!this.snapshot || this.isMoving) return null;
     return faceIn(this.snapshot, place, this.size);
+  }
+
+  /**
+   * Faces that are seen within so many pixels of a place; none while the picture moves.
+   * @param {Place} place
+   * @param {number} radius  CSS pixels
+   */
+  facesAround(place, radius) {
+    if (!this.snapshot || this.isMoving) return /** @type {Set<number>} */ (new Set());
+    return facesAround(this.snapshot, place, radius, this.size);
   }
 
   /**
