@@ -22,6 +22,7 @@ What is where; ``help(sw.segment)`` and so on tell the rest:
 ``Session``, ``editing``                merging, splitting, cutting, naming, undo, project files
 ``export``, ``import_labels``           files that other programs read, out and in again
 ``evaluate``, ``metrics``               comparison with a truth
+``agreement``, ``consensus``            what several people say of one scan: how far they agree, and on what
 ``baselines``                           methods of others, to compare with
 ``SceneWidget``, ``SceneView``          the widget, and its picture alone
 ``Compare``                             two segmentations of a scan beside each other
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
     from scenewidget.engine.segmentation import Segmentation
     from scenewidget.evaluation import evaluate
     from scenewidget.figures.spectral_explorer import SpectralExplorer
+    from scenewidget.hands import agreement, consensus
     from scenewidget.widget.compare import Compare
     from scenewidget.widget.scene_view import SceneView
     from scenewidget.widget.scene_widget import SceneWidget
@@ -67,6 +69,8 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "import_labels": "editing.formats",
     "Cancelled": "engine.monitor",
     "evaluate": "evaluation",
+    "agreement": "hands",
+    "consensus": "hands",
     "Params": "engine.params",
     "Pipeline": "engine.pipeline",
     "segment": "engine.pipeline",
@@ -91,7 +95,9 @@ __all__ = [
     "Session",
     "SpectralExplorer",
     "__version__",
+    "agreement",
     "baselines",
+    "consensus",
     "datasets",
     "editing",
     "engine",

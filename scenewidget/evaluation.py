@@ -29,7 +29,16 @@ from scenewidget.metrics import (
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["METRICS", "checked_truth", "evaluate", "reliability"]
+__all__ = [
+    "METRICS",
+    "By",
+    "checked_labels",
+    "checked_metrics",
+    "checked_truth",
+    "evaluate",
+    "face_weights",
+    "reliability",
+]
 
 By = Literal["faces", "area"]
 
@@ -102,13 +111,11 @@ def evaluate(
     import pandas as pd
 
     mesh, actual = checked_truth(truth, mesh)
-    columns = _check_metrics(metrics)
-    if by not in ("faces", "area"):
-        raise ValueError(f"by must be 'faces' or 'area', got {by!r}")
-    weights = mesh.face_areas if by == "area" else None
+    columns = checked_metrics(metrics)
+    weights = face_weights(mesh, by)
     rows = {
         name: _row(labels, actual, mesh, weights, unlabeled, columns)
-        for name, labels in _check_segmentations(segmentations, mesh).items()
+        for name, labels in checked_labels("segmentations", segmentations, mesh).items()
     }
     table = pd.DataFrame.from_dict(rows, orient="index", columns=[*columns, "coverage", "n_segments"])
     table["n_truth"] = _count(actual)
@@ -234,15 +241,26 @@ def checked_truth(truth: Any, mesh: Mesh | None) -> tuple[Mesh, IntArray]:
     return mesh, labels
 
 
-def _check_segmentations(segmentations: Any, mesh: Mesh) -> dict[str, IntArray]:
+def checked_labels(name: str, segmentations: Any, mesh: Mesh) -> dict[str, IntArray]:
+    """Labels per face by name; TypeError or ValueError, which say ``name``, if they can't be.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.evaluation import checked_labels
+    >>> checked_labels("annotations", {}, square(1))
+    Traceback (most recent call last):
+        ...
+    ValueError: annotations is empty: give at least one, such as {'ours': seg}
+    """
     if not isinstance(segmentations, Mapping):
         raise TypeError(
-            "segmentations must map names to segmentations, such as {'ours': seg}, "
+            f"{name} must map names to segmentations, such as {{'ours': seg}}, "
             f"got {type(segmentations).__name__}"
         )
     if not segmentations:
-        raise ValueError("segmentations is empty: give at least one, such as {'ours': seg}")
-    return {name: _face_labels(f"segmentations[{name!r}]", s, mesh) for name, s in segmentations.items()}
+        raise ValueError(f"{name} is empty: give at least one, such as {{'ours': seg}}")
+    return {key: _face_labels(f"{name}[{key!r}]", s, mesh) for key, s in segmentations.items()}
 
 
 def _face_labels(name: str, value: Any, mesh: Mesh) -> IntArray:
@@ -251,7 +269,7 @@ def _face_labels(name: str, value: Any, mesh: Mesh) -> IntArray:
         if not is_same:
             raise ValueError(
                 f"{name} belongs to another mesh, of {value.mesh.n_faces} faces where this one has "
-                f"{mesh.n_faces}, or in another order; segment the mesh that the truth labels"
+                f"{mesh.n_faces}, or in another order; all must label the same mesh"
             )
         return value.labels
     labels = np.asarray(value)
@@ -267,7 +285,15 @@ def _face_labels(name: str, value: Any, mesh: Mesh) -> IntArray:
     return labels.astype(np.int64)
 
 
-def _check_metrics(names: Collection[str] | None) -> list[str]:
+def checked_metrics(names: Collection[str] | None) -> list[str]:
+    """Names of metrics, all by default; TypeError or ValueError for what is none.
+
+    Examples
+    --------
+    >>> from scenewidget.evaluation import checked_metrics
+    >>> checked_metrics(["mean_iou"])
+    ['mean_iou']
+    """
     if names is None:
         return list(METRICS)
     if isinstance(names, str):
@@ -276,3 +302,18 @@ def _check_metrics(names: Collection[str] | None) -> list[str]:
     if unknown:
         raise ValueError(f"metrics has {unknown[0]!r}; it may hold {', '.join(METRICS)}")
     return list(names)
+
+
+def face_weights(mesh: Mesh, by: By) -> FloatArray | None:
+    """What a face counts: its area, or None where all count alike; ValueError for another ``by``.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.evaluation import face_weights
+    >>> face_weights(square(1), "area").tolist()
+    [0.5, 0.5]
+    """
+    if by not in ("faces", "area"):
+        raise ValueError(f"by must be 'faces' or 'area', got {by!r}")
+    return mesh.face_areas if by == "area" else None

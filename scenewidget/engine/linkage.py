@@ -15,8 +15,12 @@ from scenewidget.engine.mesh import FloatArray, IntArray
 __all__ = ["average_linkage", "cut_tree"]
 
 
-def average_linkage(C: FloatArray, weights: FloatArray) -> FloatArray:
+def average_linkage(C: FloatArray, weights: FloatArray, seen: FloatArray | None = None) -> FloatArray:
     """Merge tree by the mean co-association between clusters, each pair of parts weighted by its areas.
+
+    Under partial evidence the mean goes over the pairs that somebody saw together, each as often as it was
+    seen. That is a ratio of sums, so a merged cluster is never nearer to a third than the nearer of its two
+    parts, and chains of nearest neighbours still find the tree.
 
     Parameters
     ----------
@@ -24,12 +28,14 @@ def average_linkage(C: FloatArray, weights: FloatArray) -> FloatArray:
         Symmetric, in [0, 1].
     weights : (n,) float
         Areas; those without area count as nearly weightless.
+    seen : (n, n) float, optional
+        Symmetric; how many runs saw both parts. All saw all by default.
 
     Returns
     -------
     tree : (n − 1, 4) float64
         scipy's format: the two clusters merged, their distance 1 − mean C, the number of parts.
-        Distances ascend.
+        Distances ascend; that of clusters of which no pair was seen is 2.
 
     Examples
     --------
@@ -38,6 +44,9 @@ def average_linkage(C: FloatArray, weights: FloatArray) -> FloatArray:
     >>> C = np.array([[1.0, 0.8, 0.2], [0.8, 1.0, 0.4], [0.2, 0.4, 1.0]])
     >>> average_linkage(C, np.ones(3)).round(2).tolist()  # 0 and 1 first, then both with 2
     [[0.0, 1.0, 0.2, 2.0], [2.0, 3.0, 0.7, 3.0]]
+    >>> seen = np.array([[1, 1, 0], [1, 1, 1], [0, 1, 1]])  # nobody saw 0 and 2 together
+    >>> average_linkage(C, np.ones(3), seen).round(2).tolist()
+    [[0.0, 1.0, 0.2, 2.0], [2.0, 3.0, 0.6, 3.0]]
     """
     n = len(C)
     if n == 1:
@@ -45,7 +54,12 @@ def average_linkage(C: FloatArray, weights: FloatArray) -> FloatArray:
     distances = 1.0 - np.asarray(C, dtype=np.float64)
     _symmetrise(distances)
     area = np.maximum(np.asarray(weights, dtype=np.float64), 1e-12 * max(float(np.max(weights)), 1e-300))
-    left, right, height = _chain(distances, area.copy())
+    pairs = np.empty((0, 0))
+    if seen is not None:
+        share = area / area.max()  # products of areas could vanish
+        pairs = np.asarray(seen, dtype=np.float64) * (share[:, None] * share[None, :])
+        distances[pairs == 0] = 2.0
+    left, right, height = _chain(distances, area.copy(), pairs)
     order = np.argsort(height, kind="stable")
     return _label(left[order], right[order], height[order])  # type: ignore[no-any-return]
 
@@ -105,9 +119,10 @@ def _symmetrise(D):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, nogil=True)
-def _chain(D, area):  # type: ignore[no-untyped-def]
-    """Merges by nearest-neighbour chains; D is overwritten."""
+def _chain(D, area, pairs):  # type: ignore[no-untyped-def]
+    """Merges by nearest-neighbour chains; D and ``pairs``, the mass of what was seen, are overwritten."""
     n = len(area)
+    is_partial = len(pairs) > 0
     left = np.empty(n - 1, dtype=np.int64)
     right = np.empty(n - 1, dtype=np.int64)
     height = np.empty(n - 1)
@@ -141,7 +156,14 @@ def _chain(D, area):  # type: ignore[no-untyped-def]
         for i in range(n_alive):
             z = alive[i]
             if z != x and z != y:
-                d = (area[x] * D[x, z] + area[y] * D[y, z]) / total
+                if is_partial:
+                    both = pairs[x, z] + pairs[y, z]
+                    d = 2.0
+                    if both > 0:
+                        d = (pairs[x, z] * D[x, z] + pairs[y, z] * D[y, z]) / both
+                    pairs[y, z] = pairs[z, y] = both
+                else:
+                    d = (area[x] * D[x, z] + area[y] * D[y, z]) / total
                 # a mean lies between what it is of; where rounding puts it beside, the chain may come back
                 # to where it was, grow past its end and overwrite memory
                 d = min(max(d, min(D[x, z], D[y, z])), max(D[x, z], D[y, z]))

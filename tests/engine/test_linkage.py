@@ -106,3 +106,33 @@ def test_matrices_that_differ_from_their_transpose_in_the_last_bit_give_a_tree()
         np.fill_diagonal(C, 1)
         tree = average_linkage(C, rng.random(8))
         np.testing.assert_array_equal(np.sort(tree[:, :2].ravel()), np.arange(14))
+
+
+def test_pairs_that_nobody_saw_count_for_nothing():
+    """Against the definition: the tree's heights are ratios over what was seen."""
+    rng = np.random.default_rng(4)
+    keys = rng.integers(-1, 3, (40, 3))
+    keys = keys[(keys >= 0).any(axis=1)]
+    weights = rng.uniform(0.1, 2.0, len(keys))
+    is_seen = (keys >= 0).astype(float)
+    seen = is_seen @ is_seen.T
+    together = sum(np.equal.outer(k, k) & np.outer(k >= 0, k >= 0) for k in keys.T).astype(float)
+    C = np.divide(together, seen, out=np.zeros_like(seen), where=seen > 0)
+    tree = average_linkage(C, weights, seen)
+    members = [[i] for i in range(len(keys))]
+    for left, right, height, size in tree:
+        a, b = members[int(left)], members[int(right)]
+        mass = np.outer(weights[a], weights[b])
+        pairs = (mass * seen[np.ix_(a, b)]).sum()
+        mean = (mass * together[np.ix_(a, b)]).sum() / pairs if pairs > 0 else -1.0
+        assert height == pytest.approx(1 - mean)
+        members.append(a + b)
+        assert size == len(members[-1])
+    assert (np.diff(tree[:, 2]) >= 0).all()
+
+
+def test_a_tree_of_what_all_saw_is_the_plain_one():
+    C = np.random.default_rng(5).random((30, 30))  # no ties
+    C = (C + C.T) / 2
+    weights = np.linspace(1, 2, 30)
+    np.testing.assert_allclose(average_linkage(C, weights, np.full((30, 30), 4)), average_linkage(C, weights))
