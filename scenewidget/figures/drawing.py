@@ -35,6 +35,7 @@ UNLABELED = (215, 215, 212)  # paler than on the screen, since figures stand on 
 INK = (45, 45, 50)
 ARROW = (200, 60, 30)
 MARK = (230, 50, 20)
+MARK_SIZE = 0.022  # radius of a mark, of the diagonal of the mesh
 LIGHT = np.array([0.20, -0.62, 0.76])  # points towards the light
 DARKEST = 0.62  # a face turned away from the light keeps this share of its colour
 LINE_WIDTH = 0.0022  # as a share of the diagonal of the bounding box
@@ -179,7 +180,7 @@ def draw(
         if is_thinned:
             note += f"{'; ' if note else ''}{MOST_VECTORS} of {len(arrows)} arrows"
     if len(marked):
-        octahedra = markers(mesh.vertices[marked] - middle, 0.016 * diagonal)
+        octahedra = markers(mesh.vertices[marked] - middle, MARK_SIZE * diagonal)
         layers.append((octahedra, lit(_flat(octahedra, MARK), corner_normals(octahedra, None, smooth=False))))
     return Drawing(
         np.concatenate([layer for layer, _ in layers]).astype(np.float32),

@@ -13,13 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from scenewidget.figures.drawing import Drawing
+from scenewidget.figures.drawing import MARK, Drawing
 from scenewidget.figures.raster import Camera, render
 from scenewidget.figures.scale import ColorArray, ColorScale
 
 __all__ = ["camera_for", "color_bar", "png"]
 
 N_COLORS, N_GREYS = 100, 12  # of the file: a third of the bytes, and no eye sees it
+MARK_SHADES = (0.5, 0.65, 0.8, 0.9, 1.0)  # a mark is small, and would get the colour of what is around it
 INK, FAINT = (30, 30, 30), (120, 120, 120)
 TITLE_HEIGHT, BAR_HEIGHT, NOTE_HEIGHT, TEXT_SIZE = 26, 34, 18, 13
 SPECKS = 0.004  # on each side this share of a room's corners may lie outside the picture
@@ -119,12 +120,14 @@ def _label_bar(pen: Any, scale: ColorScale, left: int, top: int, width: int) -> 
 
 
 def _few_colors(sheet: Any) -> Any:
-    """The colours that do best for a picture, and greys for the text that will come on it."""
+    """The colours that do best for a picture, those of marks, and greys for the text that will come on it."""
     from PIL import Image
 
     best = sheet.quantize(N_COLORS, dither=Image.Dither.NONE).getpalette()[: 3 * N_COLORS]
     palette = Image.new("P", (1, 1))
-    palette.putpalette([*best, *np.repeat(np.linspace(0, 255, N_GREYS).astype(int), 3).tolist()])
+    marks = np.outer(MARK_SHADES, MARK).round().astype(int).ravel()
+    greys = np.repeat(np.linspace(0, 255, N_GREYS).astype(int), 3)
+    palette.putpalette([*best, *marks.tolist(), *greys.tolist()])
     return palette
 
 

@@ -1,11 +1,14 @@
 """The picture that stands in for a figure, its camera and its colour bar."""
 
+import io
+
 import numpy as np
 import pytest
-from shapes import box, joined
+from PIL import Image
+from shapes import box, icosphere, joined
 
 from scenewidget.figures.drawing import draw
-from scenewidget.figures.picture import camera_for, color_bar
+from scenewidget.figures.picture import camera_for, color_bar, png
 from scenewidget.figures.raster import FIELD_OF_VIEW, Camera, render
 from scenewidget.figures.scale import color_scale
 
@@ -42,3 +45,13 @@ def test_the_picture_shows_what_the_camera_sees():
     left, right = picture[50, 40], picture[50, 160]
     assert (left != right).any()
     assert (picture[50, 100] == 255).all()
+
+
+def test_a_mark_keeps_its_red_among_many_other_colours():
+    ball = icosphere(4)
+    drawing = draw(
+        ball, values=ball.vertices[:, 0], colormap="viridis_r", points=[int(ball.vertices[:, 2].argmax())]
+    )
+    picture = png([drawing], view=(-60, 30), width=480, height=360)
+    r, g, b = np.moveaxis(np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"), int), -1, 0)
+    assert ((r > 100) & (r > 3 * g) & (r > 3 * b)).sum() > 20
