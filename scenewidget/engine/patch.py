@@ -16,13 +16,16 @@ from scenewidget.engine.preprocess import filter_normals
 
 __all__ = ["reached_faces"]
 
+SWEEPS = 20  # of the normals; fewer leave noise that looks like creases, or creases that leak
+SPECK = 0.02  # of what is reached; smaller pieces that are left out amid it are noise
+
 
 def reached_faces(
     mesh: Mesh,
     face: int,
     radius: float,
     *,
-    crease: float = 20.0,
+    crease: float = 6.0,
     color_step: float = 32.0,
     pairs: IntArray | None = None,
 ) -> IntArray:
@@ -36,7 +39,8 @@ def reached_faces(
     radius : float
         Metres; centroids within this distance of that of ``face`` count.
     crease : float
-        Degrees by which the surface turns inwards at an edge that isn't crossed; 180 crosses all.
+        Degrees by which the smoothed surface turns inwards at an edge that isn't crossed; 180 crosses all.
+        A scanner spreads a crease over several faces, each of which turns a little.
     color_step : float
         Largest difference in red, green or blue, of 255, between neighbours that is crossed; 255 crosses
         all. Colours at vertices spread an edge over two faces, which see a third of it each or more.
@@ -46,7 +50,7 @@ def reached_faces(
     Returns
     -------
     faces : (n,) int
-        Ascending; ``face`` is one of them.
+        Ascending; ``face`` is one of them. Specks that noise leaves amid them are filled.
 
     Raises
     ------
@@ -76,12 +80,19 @@ def reached_faces(
         color = mesh.vertex_colors[mesh.faces[faces]].mean(axis=1)
         is_open &= np.abs(color[inside[:, 0]] - color[inside[:, 1]]).max(axis=1) <= color_step
     _, piece = connected_components(len(faces), inside[is_open])
-    return np.asarray(faces[piece == piece[number[face]]])
+    reached = piece == piece[number[face]]
+    left_out = ~reached[inside]
+    _, piece = connected_components(len(faces), inside[left_out.all(axis=1)])
+    size = np.bincount(piece)
+    is_touched = np.zeros(len(size), dtype=bool)
+    is_touched[piece[inside[left_out[:, 0] != left_out[:, 1]]]] = True
+    is_speck = is_touched & (size <= SPECK * np.count_nonzero(reached))
+    return np.asarray(faces[reached | is_speck[piece]])
 
 
 def _is_concave(mesh: Mesh, pairs: IntArray, crease: float) -> BoolArray:
     """(n_pairs,) whether the surface turns inwards by more than so many degrees between two faces."""
-    normals = filter_normals(mesh, pairs, sweeps=3)
+    normals = filter_normals(mesh, pairs, sweeps=SWEEPS)
     i, j = pairs.T
     cosine = np.einsum("ij,ij->i", normals[i], normals[j])
     apart = mesh.face_centroids[j] - mesh.face_centroids[i]
