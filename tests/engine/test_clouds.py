@@ -152,6 +152,10 @@ def test_las_and_laz_give_points_and_colours_and_no_half_of_them(tmp_path, suffi
     data = bytearray(path.read_bytes())
     with pytest.raises(MeshError, match=r"cut\.la"):
         load(written(tmp_path, f"cut.{suffix}", bytes(data[: -34 if suffix == "las" else -60])))
+    forged = bytearray(data)
+    struct.pack_into("<I", forged, 100, 10**9)  # records before the points
+    with pytest.raises(MeshError, match="promises 1000000000 records of its header"):
+        load(written(tmp_path, f"records.{suffix}", bytes(forged)))
     struct.pack_into("<I", data, 107, 10**9)
     with pytest.raises(MeshError, match=r"promises 1000000000 points|GB of points"):
         load(written(tmp_path, f"forged.{suffix}", bytes(data)))

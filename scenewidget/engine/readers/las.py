@@ -13,6 +13,8 @@ from scenewidget.engine.readers.scan import Notes, Scan, check_promise, check_si
 
 __all__ = ["read"]
 
+VLR, EVLR = 54, 60  # bytes that a record takes at least
+
 
 def read(path: Path, notes: Notes) -> Scan:
     """Points of the LAS or LAZ at ``path``; ``notes`` hear what was guessed or lost."""
@@ -43,6 +45,11 @@ def _check(path: Path) -> None:
     start, kind, length, count = struct.unpack_from("<I4xBHI", head, 96)
     if head[25] >= 4 and len(head) >= 255:
         count = max(count, struct.unpack_from("<Q", head, 247)[0])
+    check_promise(
+        path, "records of its header", struct.unpack_from("<I", head, 100)[0], VLR, min(start, size)
+    )
+    if head[25] >= 4 and len(head) >= 247:
+        check_promise(path, "records at its end", struct.unpack_from("<I", head, 243)[0], EVLR, size)
     check_size(path, "points", count * 32)
     if kind & 0x80:  # compressed: a point takes at least a fraction of a byte
         check_promise(path, "points", count, 1, 64 * max(size - start, 0))
