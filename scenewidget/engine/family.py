@@ -173,7 +173,8 @@ def make_family(
     co : CoAssociation
         Of the items.
     min_area : float
-        Smaller pieces (m²) go to the piece of their segment that they agree with most, neighbours first.
+        Smaller pieces (m² in a room, square units of a smaller scene) go to the piece of their segment that
+        they agree with most, neighbours first.
 
     Returns
     -------
@@ -207,12 +208,14 @@ def make_family(
     bonds = _bonds(items, co, piece)
     home = np.zeros(len(bonds.area), dtype=np.int64)
     home[piece[keep]] = run[keep]
-    is_crumb = bonds.area < min_area
+    least = np.zeros(len(bonds.area))  # m²; a piece lies in one scene
+    least[piece[keep]] = min_area * items.scales[items.island[keep]] ** 2
+    is_crumb = bonds.area < least
     is_crumb |= np.bincount(piece[keep], n_faces[keep], len(home)) == 0
     for crumb in np.flatnonzero(is_crumb)[np.argsort(bonds.area[is_crumb], kind="stable")]:
         kin = (home == home[crumb]) & bonds.is_there
         kin[crumb] = False
-        if (bonds.area[crumb] < min_area or n_faces[piece == crumb].sum() == 0) and kin.any():
+        if (bonds.area[crumb] < least[crumb] or n_faces[piece == crumb].sum() == 0) and kin.any():
             into = int(np.argmax(np.where(kin, bonds.closeness(crumb), -np.inf)))
             bonds.merge(into, int(crumb))
             piece[piece == crumb] = into
@@ -228,7 +231,9 @@ def make_family(
         piece,
         np.array([step[:2] for step in steps], dtype=np.int32).reshape(-1, 2),
         np.array([step[2] for step in steps], dtype=np.float64),
-        make_pieces(segmentation.mesh, items.to_faces(piece, -1), items.to_faces(co.base, -1)),
+        make_pieces(
+            segmentation.mesh, items.to_faces(piece, -1), items.to_faces(co.base, -1), scale=items.scale
+        ),
         np.bincount(piece[keep], seen[keep], len(kept)).astype(np.float64),
         items,
     )

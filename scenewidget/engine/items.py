@@ -390,7 +390,7 @@ def superfacet_items(
     normals = np.empty((mesh.n_faces, 3), np.float32)
     links: list[IntArray] = []
     homes: list[IntArray] = []
-    report: dict[str, Any] = {"metres in a unit of the scene": [round(float(s), 4) for s in scales]}
+    report: dict[str, Any] = {}
     for i, s in enumerate(scales):
         faces = np.flatnonzero(island == i)
         inner = pairs

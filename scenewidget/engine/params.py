@@ -111,8 +111,9 @@ class Params:
         over the components; the result has more where columns stay alone or are cut into connected
         pieces; "auto" gives each component as many as its median partition has clusters, the partition that
         agrees most with the runs whatever its number (see `consensus.peac_by_component`). With "linkage" the
-        tree is cut where it has that many clusters of at least 0.1 % of the area (smaller ones come on top),
-        and "auto" cuts it at ``linkage_similarity``. "median" needs no number and ignores it.
+        tree is cut at ``linkage_similarity``; a number asked for is then cut from the nested family through
+        that result, exactly so many where the family reaches, else as near as it gets. ``granularity``, if
+        given, has the last word. "median" needs no number and ignores it.
     k_range : (int, int), optional
         Least and most clusters of a k-medoids run. None means (2S, 2.5S) (thesis 4.2);
         with "auto" (100, 125).
@@ -187,7 +188,7 @@ class Params:
     consensus : str
         "peac", "linkage" or "median". Thesis: "peac".
     linkage_similarity : float
-        Mean co-association down to which "linkage" merges under ``n_segments="auto"``.
+        Mean co-association down to which "linkage" merges.
     leftover : str
         "alone", "argmax" or "linkage"; see `consensus.settle_leftovers`. Thesis: "alone".
     join_planes : bool

@@ -14,10 +14,10 @@ import numpy as np
 from scenewidget.engine.items import find_bridges
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, face_adjacency
 from scenewidget.engine.moments import Moments, face_moments
+from scenewidget.engine.scale import scene_scale
 
-__all__ = ["Pieces", "make_pieces", "scene_scale"]
+__all__ = ["Pieces", "make_pieces"]
 
-ROOM = 20.0  # m²; lengths in scenes with less surface are measured by their own scale
 BRIDGE = 0.06  # times the scale: faces at borders this near to each other touch, as in `items`
 
 
@@ -47,7 +47,7 @@ class Pieces:
     length : (n_pairs,) float64
         Of the common border, metres.
     scale : float
-        See `scene_scale`.
+        Metres in a unit of the scene, see `scale.scene_scale`.
 
     Examples
     --------
@@ -92,23 +92,14 @@ class Pieces:
         return np.asarray(np.divide(self.vectors, size, out=np.zeros_like(self.vectors), where=size > 0))
 
 
-def scene_scale(area: float) -> float:
-    """By what lengths of a scene are measured: 1 for a room, less for what has less surface than 20 m².
-
-    Parameters
-    ----------
-    area : float
-        Of all of its surface, m².
-
-    Examples
-    --------
-    >>> scene_scale(60.0), scene_scale(0.2)
-    (1.0, 0.1)
-    """
-    return min(1.0, float(np.sqrt(area / ROOM)))
-
-
-def make_pieces(mesh: Mesh, labels: IntArray, base: IntArray, adjacency: IntArray | None = None) -> Pieces:
+def make_pieces(
+    mesh: Mesh,
+    labels: IntArray,
+    base: IntArray,
+    adjacency: IntArray | None = None,
+    *,
+    scale: float | None = None,
+) -> Pieces:
     """The graph of pieces of a segmentation.
 
     Parameters
@@ -118,6 +109,8 @@ def make_pieces(mesh: Mesh, labels: IntArray, base: IntArray, adjacency: IntArra
         Segment and base segment of each face, −1 for none.
     adjacency : (n, 2) int32, optional
         `face_adjacency` of the mesh, if it is at hand: half of the time.
+    scale : float, optional
+        Metres in a unit of the scene; by default that of its surface, see `scale.scene_scale`.
 
     Returns
     -------
@@ -134,7 +127,7 @@ def make_pieces(mesh: Mesh, labels: IntArray, base: IntArray, adjacency: IntArra
     >>> make_pieces(mesh, left, left).length.tolist()
     [1.0]
     """
-    scale = scene_scale(float(mesh.face_areas.sum()))
+    scale = scene_scale(float(mesh.face_areas.sum())) if scale is None else scale
     keep = (labels >= 0) & (base >= 0)
     n_labels = int(labels.max(initial=-1)) + 1
     code = base[keep].astype(np.int64) * n_labels + labels[keep]

@@ -27,6 +27,7 @@ __all__ = ["Level", "Segmentation", "confidence_of", "order_by_area", "segmentat
 
 Level = Literal["dihedral", "base", "final"]
 LEVELS: tuple[Level, ...] = ("dihedral", "base", "final")
+SCALES = "metres in a unit of the scene"  # entry of the report: of each island, the largest first
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,7 +309,8 @@ class Segmentation:
         """What may be wrong; found on first use where it wasn't given (half a second at a million faces)."""
         if self.doubt is None:
             base = np.minimum(self.labels, 0) if self.keys is None else self.levels["base"]
-            pieces = make_pieces(self.mesh, self.labels, base)
+            scales = self.report.get(SCALES)
+            pieces = make_pieces(self.mesh, self.labels, base, scale=scales[0] if scales else None)
             found = doubts(pieces, self.keys, self.report.get("runs"), n_segments=self.n_segments)
             object.__setattr__(self, "doubt", found)
         assert self.doubt is not None
@@ -406,7 +408,8 @@ def segmentation_of_items(
     face_base = items.to_faces(base, -1)
     keys = keys[np.unique(base, return_index=True)[1]]
     dense.flags.writeable = False
-    doubt = doubts(make_pieces(mesh, dense, face_base, adjacency), keys, runs, n_segments=len(kept))
+    pieces = make_pieces(mesh, dense, face_base, adjacency, scale=items.scale)
+    doubt = doubts(pieces, keys, runs, n_segments=len(kept))
     return Segmentation(
         mesh,
         dense,
@@ -421,7 +424,7 @@ def segmentation_of_items(
         item_labels=rank[labels],
         face_map=items.face_map,
         simplified=None if is_raw else items.mesh,
-        report={**items.report, "runs": dict(runs)},
+        report={**items.report, SCALES: [round(float(s), 4) for s in items.scales], "runs": dict(runs)},
         doubt=doubt,
     )
 

@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import scenewidget as sw
+from scenewidget.datasets.analytic import square
 from scenewidget.engine.mesh import face_adjacency
-from scenewidget.engine.pieces import make_pieces, scene_scale
+from scenewidget.engine.pieces import make_pieces
 
 
 def test_two_halves_of_a_sheet_meet_along_its_width():
@@ -58,6 +59,8 @@ def test_pieces_are_base_segments_within_segments(seed):
     assert len(np.unique(np.stack([pieces.base, pieces.segment]), axis=1).T) == pieces.n
 
 
-def test_a_room_is_measured_in_metres_and_a_table_by_its_own_size():
-    assert scene_scale(20.0) == scene_scale(200.0) == 1.0
-    assert scene_scale(0.8) == pytest.approx(0.2)
+def test_seams_are_measured_in_the_unit_of_the_scene():
+    mesh = square(4)
+    left = (mesh.face_centroids[:, 0] < 0.5).astype(np.int32)
+    assert make_pieces(mesh, left, left).scale == pytest.approx(np.sqrt(1 / 20))
+    assert make_pieces(mesh, left, left, scale=1.0).scale == 1.0
