@@ -23,7 +23,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     code : int
-        0 if all went well, 1 if the command could not do its work, 2 for words that it does not know.
+        0 if all went well, 1 if the command could not do its work, 2 for words that it does not know, 130
+        if it was stopped by Ctrl-C.
 
     Examples
     --------
@@ -31,13 +32,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     >>> main(["tables", "no/such/folder", "--scenes", "016"])
     1
     """
-    from scenewidget.command_line import tables
+    from scenewidget import __version__
+    from scenewidget.command_line import agree, convert, evaluate, segment, tables
 
     parser = argparse.ArgumentParser(
-        prog="scenewidget", description="Cut indoor 3D scans into meaningful pieces and judge the result."
+        prog="scenewidget",
+        description="Cut indoor 3D scans into meaningful pieces and judge the result.",
+        epilog="scenewidget COMMAND --help explains a command, with examples.",
     )
+    parser.add_argument("--version", action="version", version=f"scenewidget {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for command in (tables,):
+    for command in (segment, evaluate, agree, convert, tables):
         command.add_parser(commands)
     options = parser.parse_args(arguments)
     try:
@@ -45,3 +50,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (OSError, TypeError, ValueError) as error:  # bad input: what the package says, no traceback
         print(f"scenewidget {options.command}: {error}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print(f"scenewidget {options.command}: stopped", file=sys.stderr)
+        return 130

@@ -1,0 +1,75 @@
+"""How far several people agree, scan by scan.
+
+Each folder holds the labels that one of them made, in any format that can be read, project files too.
+Files belong together by their names, as first/kitchen/a.swproj and second/kitchen/a.swproj. A row a scan and
+pair of people: errors and scores as of `scenewidget evaluate`, the share that both label of what either does,
+and the share of what both have named that they call the same. Scans that only one has labeled are left out,
+and named.
+
+  scenewidget agree ann/ bob/
+  scenewidget agree ann/ bob/ cyd/ --scans scans/ --json
+
+Exit code: 0, or 1 if a scan could not be compared.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import scenewidget as sw
+from scenewidget.command_line.shared import add_output, labeled, mesh_of, read_labels, show, tell
+from scenewidget.evaluation import METRICS
+
+__all__ = ["add_parser", "run"]
+
+
+def add_parser(commands: Any) -> None:
+    """The command ``agree``."""
+    parser = commands.add_parser(
+        "agree",
+        help="how far several people agree, a row a scan",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("people", nargs="+", type=Path, metavar="FOLDER", help="two or more, one a person")
+    parser.add_argument("--scans", type=Path, help="the scans, where the labels don't say where they lie")
+    parser.add_argument("--by", choices=("faces", "area"), default="faces", help="what the metrics count")
+    parser.add_argument(
+        "--metrics", nargs="+", choices=tuple(METRICS), metavar="NAME", help="only these columns"
+    )
+    add_output(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the table; 1 if a scan could not be compared."""
+    if len(options.people) < 2:
+        raise ValueError(f"agree takes two or more folders, one a person; got only {options.people[0]}")
+    names = [path.name or str(path) for path in options.people]
+    if len(set(names)) < len(names):
+        names = [str(path) for path in options.people]
+    if len(set(names)) < len(names):
+        raise ValueError(f"the same folder is given twice: {', '.join(names)}")
+    theirs = {name: labeled(path) for name, path in zip(names, options.people, strict=True)}
+    rows: list[dict[str, Any]] = []
+    for scan in sorted({scan for found in theirs.values() for scan in found}):
+        files = {name: found[scan] for name, found in theirs.items() if scan in found}
+        if len(files) < 2:
+            tell(options, f"{scan}  only {next(iter(files))} has labeled it: left out")
+            continue
+        shown = scan or next(iter(files.values())).path.name
+        try:
+            mesh = mesh_of(scan, options.scans, files.values())
+            labels = {name: read_labels(file.path, mesh) for name, file in files.items()}
+            table = sw.agreement(labels, mesh, by=options.by, metrics=options.metrics).reset_index()
+            rows += ({"scan": shown, "error": "", **row} for row in table.to_dict("records"))
+            tell(options, f"{shown}  compared")
+        except (OSError, TypeError, ValueError) as error:
+            rows.append({"scan": shown, "error": str(error)})
+            tell(options, f"{shown}  {error}")
+    if not rows:
+        raise ValueError(f"no scan has been labeled by two of {', '.join(names)}; files go together by name")
+    show(rows, options, mean=True)
+    return 1 if any(row["error"] for row in rows) else 0
