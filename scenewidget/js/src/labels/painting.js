@@ -4,7 +4,7 @@
  * Faces of a stroke come as ranges, as Python keeps them: the first face and the one after the last of each run.
  */
 
-import { NONE } from "./partition.js";
+import { divideMeasures, NONE } from "./partition.js";
 
 /**
  * @typedef {object} FinerGround
@@ -62,6 +62,12 @@ export function painted(ground, atomSegment, ranges, target) {
   const finer = divided.length > 0 ? faceAtom.slice() : faceAtom;
   for (const face of divided.length > 0 ? facesIn(ranges) : [])
     finer[face] = twins.get(finer[face]) ?? finer[face];
+  if (divided.length > 0)
+    divideMeasures(
+      faceAtom,
+      finer,
+      divided.map((atom) => [atom, counts.get(atom) ?? 0]),
+    );
   const grown = (/** @type {Uint32Array} */ row) => extended(row, divided);
   const after = grown(atomSegment);
   for (const atom of counts.keys()) after[twins.get(atom) ?? atom] = target;

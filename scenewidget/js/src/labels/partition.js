@@ -70,6 +70,28 @@ function measure(faceAtom, nAtoms, mesh) {
 }
 
 /**
+ * Measures of atoms of which some were divided, without looking at every face: areas go by the number of faces.
+ * @param {Uint32Array} faceAtom  before
+ * @param {Uint32Array} finer  after
+ * @param {Array<[atom: number, n: number]>} taken  atoms that were divided, and the faces of each new one
+ */
+export function divideMeasures(faceAtom, finer, taken) {
+  const known = measures.get(faceAtom);
+  if (!known) return;
+  const n = known.atomFaces.length;
+  const [atomFaces, atomArea] = [new Uint32Array(n + taken.length), new Float64Array(n + taken.length)];
+  atomFaces.set(known.atomFaces);
+  atomArea.set(known.atomArea);
+  taken.forEach(([atom, count], i) => {
+    const area = (known.atomArea[atom] * count) / known.atomFaces[atom];
+    [atomFaces[n + i], atomArea[n + i]] = [count, area];
+    atomFaces[atom] -= count;
+    atomArea[atom] -= area;
+  });
+  measures.set(finer, { atomFaces, atomArea });
+}
+
+/**
  * @param {{ vertices: Float32Array, faces: Uint32Array }} mesh
  * @param {number} face
  */

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { facesIn, finerTables, painted, rangesOf } from "../../src/labels/painting.js";
-import { NONE } from "../../src/labels/partition.js";
+import { makePartition, NONE } from "../../src/labels/partition.js";
 import { foresee, replay } from "../../src/labels/prediction.js";
 
 // three atoms of two faces each; the last one is unlabeled
@@ -56,4 +56,12 @@ test("tables follow the atoms, and Python's stay as they are", () => {
   assert.deepEqual([...(finer.atomPart ?? [])], [7, 7, 8, 7, 7]);
   assert.deepEqual([...(finer.atomConfidence ?? [])], [10, 20, 30, 10, 20]);
   assert.deepEqual([...ground.faceAtom], [0, 0, 1, 1, 2, 2]);
+  makePartition(tables, 0); // measured once, it need not be measured again
+  const again = painted(ground, labels.atomSegment, [1, 3], 5);
+  assert.ok(again);
+  const shown = makePartition(
+    { ...finerTables(tables, again.ground, ["base"]), atomSegment: again.atomSegment },
+    0,
+  );
+  assert.deepEqual([...shown.atomFaces], [1, 1, 2, 1, 1]);
 });
