@@ -182,10 +182,23 @@ class PointCloud(Mesh):
         Parameters
         ----------
         faces : (n,) int
-            Which, ascending.
+            Which.
         """
         colors = None if self.vertex_colors is None else self.vertex_colors[faces]
-        return PointCloud(self.points[faces], self.face_normals[faces], colors)
+        some = PointCloud(self.points[faces], self.face_normals[faces], colors)
+        areas = self.face_areas[faces]
+        areas.flags.writeable = False
+        vars(some)["face_areas"] = areas  # what each stood for among all
+        return some
+
+    def chosen(self, faces: IntArray) -> PointCloud:
+        """As `part`: of a cloud, vertices are points.
+
+        Parameters
+        ----------
+        faces : (n,) int
+        """
+        return self.part(faces)
 
     def splats(self) -> tuple[FloatArray, IntArray]:
         """Corners (n_points, 3, 3) and faces (n_points, 3) of a triangle at each point, to draw it by.

@@ -379,7 +379,7 @@ def superfacet_items(
     place[order] = np.arange(mesh.n_faces, dtype=np.int32)
     pairs = np.sort(place[pairs], axis=1)
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
-    ordered = Mesh(mesh.vertices, mesh.faces[order], mesh.vertex_colors)
+    ordered = mesh.chosen(order)
     whole = scene_scale(total) if scale == "auto" else float(scale)
     island = monitor.call(far_apart, ordered, pairs, apart * whole)
     areas = np.bincount(island, ordered.face_areas)
@@ -399,7 +399,7 @@ def superfacet_items(
             number[faces] = np.arange(len(faces), dtype=np.int32)
             inner = number[pairs[island[pairs[:, 0]] == i]]
         made = _superfacets(
-            Mesh(mesh.vertices, ordered.faces[faces]) if len(scales) > 1 else ordered,
+            ordered.chosen(faces) if len(scales) > 1 else ordered,
             inner,
             n_items=max(2, round(n_items * float(areas[i] / total))),
             item_area=item_area * s**2,

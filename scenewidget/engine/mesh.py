@@ -169,6 +169,15 @@ class Mesh:
         """Number of triangles."""
         return len(self.faces)
 
+    def chosen(self, faces: IntArray) -> Mesh:
+        """Some of the faces, or all in another order, over the same vertices.
+
+        Parameters
+        ----------
+        faces : (n,) int
+        """
+        return Mesh(self.vertices, self.faces[faces], self.vertex_colors)
+
     def part(self, faces: IntArray) -> Mesh:
         """Some of the faces, in their order, with the vertices that they use.
 

@@ -73,8 +73,7 @@ def reached_faces(
     number = np.cumsum(near) - 1
     all_pairs = face_adjacency(mesh) if pairs is None else pairs
     inside = number[all_pairs[near[all_pairs].all(axis=1)]]
-    used, corners = np.unique(mesh.faces[faces], return_inverse=True)
-    sub = Mesh(mesh.vertices[used], corners.reshape(-1, 3))
+    sub = mesh.part(faces)
     is_open = ~_is_concave(sub, inside, crease)
     if mesh.vertex_colors is not None:
         color = mesh.vertex_colors[mesh.faces[faces]].mean(axis=1)
