@@ -1,6 +1,7 @@
 """The command in a shell, called in this process: many scans, their truth, other hands, other formats."""
 
 import json
+import signal
 import subprocess
 import sys
 
@@ -102,6 +103,24 @@ def test_ctrl_c_leaves_whole_files_and_the_next_run_goes_on(capsys, scans, tmp_p
     assert statuses(capsys, scans, out) == (0, {"bedroom/a.off": "reused", "kitchen/a.off": "done"})
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="has no such signal")
+def test_a_real_ctrl_c_in_the_middle_of_a_scan(scans, tmp_path):
+    write(corner(120), scans / "large.off")  # 57 600 faces take some seconds
+    (scans / "broken.off").unlink()
+    code = "import sys; from scenewidget.command_line import main; sys.exit(main(sys.argv[1:]))"
+    words = ["segment", str(scans), "--out", str(tmp_path / "out"), "--verbose"]
+    run = subprocess.Popen([sys.executable, "-c", code, *words], stderr=subprocess.PIPE, text=True)
+    for line in run.stderr:
+        if "[2/3]" in line:
+            break
+    run.stderr.readline()  # it has begun the third
+    run.send_signal(signal.SIGINT)
+    assert "stopped after 2 of 3 scans" in run.stderr.read()
+    assert run.wait() == 130
+    left = sorted(path.name for path in (tmp_path / "out").rglob("*") if path.is_file())
+    assert left == ["a.npz", "a.npz", "row.json", "row.json"]
+
+
 def test_a_project_that_was_corrected_stays(capsys, scans, tmp_path):
     scan, project = scans / "kitchen" / "a.off", tmp_path / "out" / "a.off" / "a.swproj"
     assert statuses(capsys, scan, tmp_path / "out", "--format", "swproj") == (0, {"a.off": "done"})
@@ -147,6 +166,8 @@ def test_progress_goes_to_stderr_and_the_table_to_stdout(capsys, scans, tmp_path
     assert "[2/3] broken.off  failed: " in said.err
     assert "[" not in said.out
     assert {line.split()[1] for line in said.out.splitlines()[1:]} == {"done", "failed"}
+    assert " 100 " in said.out  # faces, a whole number
+    assert said.out.splitlines()[0].endswith("error")
 
 
 @pytest.mark.parametrize(

@@ -109,12 +109,11 @@ def run(options: argparse.Namespace) -> int:
     if holder:
         raise ValueError(f"{str(out)!r} is being written by {holder}; wait for it, or choose another --out")
     rows: list[dict[str, Any]] = []
-    start = time.monotonic()
     try:
         for number, (name, path) in enumerate(scans.items(), 1):
             row = _row(name, path, out / name, params, formats, options)
             rows.append(row)
-            tell(options, f"[{number}/{len(scans)}] {_line(row)}{_left(rows, len(scans), start)}")
+            tell(options, f"[{number}/{len(scans)}] {_line(row)}{_left(rows, len(scans))}")
     except KeyboardInterrupt:
         show(rows, options)
         tell(options, f"stopped after {len(rows)} of {len(scans)} scans; the same command goes on from there")
@@ -261,12 +260,10 @@ def _line(row: dict[str, Any]) -> str:
     return f"{row['scan']}  {row['status']}  {row['segments']} segments  {row['seconds']:.1f} s"
 
 
-def _left(rows: Sequence[dict[str, Any]], n: int, start: float) -> str:
-    """Time that the rest will take, as long as a scan has taken so far; reused ones cost nothing."""
-    worked = sum(row["status"] != "reused" for row in rows)
-    if not worked or len(rows) == n:
+def _left(rows: Sequence[dict[str, Any]], n: int) -> str:
+    """Time that the rest will take if it is like the scans that this run has segmented."""
+    spent = [row["seconds"] for row in rows if row["status"] == "done"]
+    if not spent or len(rows) == n:
         return ""
-    seconds = (time.monotonic() - start) / worked * (n - len(rows))
-    return (
-        f"  (at most {seconds / 60:.0f} min left)" if seconds >= 90 else f"  (at most {seconds:.0f} s left)"
-    )
+    seconds = sum(spent) / len(spent) * (n - len(rows))
+    return f"  (about {seconds / 60:.0f} min left)" if seconds >= 90 else f"  (about {seconds:.0f} s left)"

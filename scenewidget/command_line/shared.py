@@ -180,12 +180,17 @@ def show(rows: Sequence[Mapping[str, Any]], options: argparse.Namespace, *, mean
     import pandas as pd
 
     table = pd.DataFrame(list(rows))
-    if "error" in table and not table["error"].astype(bool).any():
-        table = table.drop(columns="error")
+    for column in table.select_dtypes("number"):
+        if all(isinstance(row.get(column), int | None) for row in rows):
+            table[column] = table[column].astype("Int64")  # stays whole beside rows that have none
+    errors = table.pop("error") if "error" in table else pd.Series(dtype=str)
+    if errors.astype(bool).any():
+        table["error"] = errors  # the widest column last
     if mean and len(table) > 1:
-        means = table.select_dtypes("number").mean().to_dict()
+        means = table.select_dtypes("float").mean().to_dict()
         table = pd.concat([table, pd.DataFrame([{**means, "scan": "mean"}])], ignore_index=True)
-    print(table.to_string(index=False, float_format="{:.4f}".format, na_rep=""))
+    shown = table.astype(object).where(table.notna(), "")
+    print(shown.to_string(index=False, float_format="{:.4f}".format))
 
 
 def _plain(value: Any) -> Any:
