@@ -90,8 +90,8 @@ def edge_weights(
     lengths : (n_pairs,) float
         Distance of the centroids, metres.
     feature_floor : float
-        d0 as a share of the 95 % quantile of d. On clean meshes the mean-of-three lift makes d vanish at
-        creases; the floor keeps their normals' cost.
+        d0 as a share of the 95 % quantile of d, of its largest where that is 0. On clean meshes the
+        mean-of-three lift makes d vanish at creases; the floor keeps their normals' cost.
     is_convex : (n_pairs,) bool, optional
     convex_weight : float
         α: what an edge costs when it is convex; below 1 keeps convex things together.
@@ -112,7 +112,7 @@ def edge_weights(
     """
     steps: Any = 1.0 if feature_steps is None else feature_steps
     if feature_steps is not None and feature_floor > 0 and len(feature_steps):
-        steps = feature_steps + feature_floor * np.quantile(feature_steps, 0.95)
+        steps = feature_steps + feature_floor * (np.quantile(feature_steps, 0.95) or feature_steps.max())
     weights = steps * costs
     if is_convex is not None and convex_weight != 1.0:
         weights = np.where(is_convex, convex_weight * weights, weights)

@@ -10,20 +10,22 @@ eigenpairs.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from scenewidget.engine.checks import checked_count
-from scenewidget.engine.mesh import FloatArray, Mesh
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.operators import Eigenbasis, cotangent_laplacian, uniform_laplacian
 
 __all__ = [
+    "checked_descriptor",
     "delta_coordinates",
     "global_point_signature",
     "heat_kernel_signature",
     "heat_kernel_times",
     "mean_curvature",
+    "unit_steps",
     "vertex_to_face",
     "wave_kernel_energies",
     "wave_kernel_signature",
@@ -261,6 +263,80 @@ def wave_kernel_signature(
         return exponents
 
     return _filtered(basis, lambda values: _softmax(bands(values)))
+
+
+def checked_descriptor(mesh: Mesh, features: Any) -> FloatArray:
+    """A descriptor of the user's own, lifted to the faces.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    features : (n_vertices, d) or (n_faces, d) numbers
+        In any unit, d at least 1. A mesh with as many vertices as faces takes them as of vertices; a point
+        cloud's are of points.
+
+    Returns
+    -------
+    by_face : (n_faces, d) float64
+        Means of a face's corners. Each column moved so that 0 is in the middle of its range (a constant one
+        is exactly 0 then), all together scaled into −1..1 by a power of two.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.features import checked_descriptor
+    >>> checked_descriptor(square(1), [[0, 7], [8, 7]]).tolist()  # of the two faces
+    [[-0.5, 0.0], [0.5, 0.0]]
+    """
+    given = np.asarray(features)
+    if given.dtype.kind not in "biuf":
+        raise TypeError(f"features must be numbers, got {given.dtype}; turn classes into a column each")
+    shapes = f"({mesh.n_vertices}, d), a row a vertex, or ({mesh.n_faces}, d), a row a face"
+    if given.ndim != 2 or len(given) not in (mesh.n_vertices, mesh.n_faces):
+        hint = "; write features[:, None]" if given.ndim == 1 and given.size > 0 else ""
+        raise ValueError(f"features must have shape {shapes}, got {given.shape}{hint}")
+    if given.shape[1] == 0:
+        raise ValueError(f"features must have at least one column, got {given.shape}")
+    values = given.astype(np.float64)
+    is_bad = ~np.isfinite(values).all(axis=1)
+    if is_bad.any():
+        raise ValueError(
+            f"features must be finite, got NaN or infinite values in {is_bad.sum()} of {len(values)} rows, "
+            f"first in row {is_bad.argmax()}; np.nan_to_num(features) makes them 0"
+        )
+    values -= values.min(axis=0) / 2 + values.max(axis=0) / 2
+    values = np.ldexp(values, -np.frexp(np.abs(values).max())[1])
+    is_by_vertex = len(values) == mesh.n_vertices and not mesh.is_cloud
+    return vertex_to_face(mesh, values) if is_by_vertex else values
+
+
+def unit_steps(features: FloatArray, pairs: IntArray) -> FloatArray | None:
+    """Features in the unit in which the step from an item to its neighbour is 1.
+
+    That is the mean step over all pairs, each weighted by the step itself, Σd² / Σd: so a descriptor that
+    differs along one border alone, or is noise elsewhere, makes a step of 1 there.
+
+    Parameters
+    ----------
+    features : (n_items, d) float
+    pairs : (n_pairs, 2) int
+
+    Returns
+    -------
+    scaled : (n_items, d) float64 or None
+        None where no step is greater than 0: the features say nothing.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.features import unit_steps
+    >>> pairs = np.array([[0, 1], [1, 2], [2, 3]])
+    >>> unit_steps(np.array([[5.0], [5.0], [9.0], [9.0]]), pairs).ravel().tolist()
+    [1.25, 1.25, 2.25, 2.25]
+    """
+    steps = np.linalg.norm(features[pairs[:, 0]] - features[pairs[:, 1]], axis=1)
+    total = steps.sum()
+    return features / ((steps @ steps) / total) if steps @ steps > 0 else None
 
 
 def vertex_to_face(mesh: Mesh, values: FloatArray) -> FloatArray:

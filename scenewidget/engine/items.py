@@ -249,13 +249,45 @@ class Items:
         ----------
         values : (mesh.n_vertices, d) float
         """
-        by_face = vertex_to_face(self.mesh, values)
+        return self.from_faces(vertex_to_face(self.mesh, values))
+
+    def from_faces(self, by_face: FloatArray) -> FloatArray:
+        """(n, d) of each item: the area-weighted mean over its faces.
+
+        Parameters
+        ----------
+        by_face : (mesh.n_faces, d) float
+        """
         keep = self.item_of_face >= 0
         item, area = self.item_of_face[keep], self.mesh.face_areas[keep]
         if len(item) == self.n:
             return by_face[keep][np.argsort(item)]
         sums = np.stack([np.bincount(item, area * column[keep], self.n) for column in by_face.T], axis=1)
         return np.asarray(sums / np.where(self.areas > 0, self.areas, 1.0)[:, None])
+
+    def from_raw_faces(self, by_face: FloatArray, raw: Mesh) -> FloatArray:
+        """(n, d) of each item: the area-weighted mean over faces of the mesh as loaded.
+
+        An item to which no face was mapped has the values of the nearest face.
+
+        Parameters
+        ----------
+        by_face : (n_raw_faces, d) float
+        raw : Mesh
+            As loaded.
+        """
+        if len(self.item_of_face) == len(self.face_map):  # it was not simplified
+            return self.from_faces(by_face)
+        keep = self.face_map >= 0
+        item, area = self.face_map[keep], raw.face_areas[keep]
+        total = np.bincount(item, area, self.n)
+        sums = np.stack([np.bincount(item, area * column[keep], self.n) for column in by_face.T], axis=1)
+        values = np.asarray(sums / np.where(total > 0, total, 1.0)[:, None])
+        is_bare = total == 0
+        if is_bare.any():
+            _, near = cKDTree(raw.face_centroids).query(self.centroids[is_bare])
+            values[is_bare] = by_face[near]
+        return values
 
     def touching(self, labels: IntArray) -> Touching:
         """Where items of different labels are neighbours; items in no segment don't count.

@@ -25,7 +25,7 @@ from scenewidget.engine.preprocess import Simplifier
 __all__ = ["CHOICES", "Consensus", "Feature", "ItemKind", "Params"]
 
 ItemKind = Literal["superfacets", "simplified"]
-Feature = Literal["normals", "cotangent", "uniform", "gps", "hks", "wks"]
+Feature = Literal["normals", "cotangent", "uniform", "gps", "hks", "wks", "given"]
 Consensus = Literal["peac", "linkage", "median"]
 _T = TypeVar("_T")
 
@@ -123,7 +123,9 @@ class Params:
         A and B of Eq. 3.9.
     feature : str
         What neighbouring items are compared by (thesis 3.2–3.3): "cotangent" or "uniform" δ-coordinates,
-        "gps", "hks", "wks" signatures; "normals" leaves it to the cost alone. Thesis: "cotangent".
+        "gps", "hks", "wks" signatures; "normals" leaves it to the cost alone; "given" are the ``features`` of
+        `segment` or `Pipeline`. All multiply the cost, which is 0 where neighbours are coplanar: with
+        ``cost_b=0`` features decide there, too. Thesis: "cotangent".
     items : str
         "superfacets" of the raw mesh, or faces of the "simplified" one. Thesis: "simplified".
     scale : float or "auto"

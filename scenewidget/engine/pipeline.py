@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from scenewidget.engine.family import Family
+from scenewidget.engine.features import checked_descriptor
 from scenewidget.engine.memo import Memo
-from scenewidget.engine.mesh import IntArray, Mesh
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.monitor import Monitor, Progress
 from scenewidget.engine.params import Params
 from scenewidget.engine.readers import load
@@ -31,6 +32,7 @@ def segment(
     params: Params | None = None,
     *,
     members: Sequence[IntArray] = (),
+    features: FloatArray | None = None,
     progress: Progress | None = None,
     cancel: threading.Event | None = None,
 ) -> Segmentation:
@@ -44,6 +46,8 @@ def segment(
         `Params()` by default.
     members : sequence of (n_faces,) int, optional
         Labelings from elsewhere that join the ensemble; see `Pipeline`.
+    features : (n_vertices, d) or (n_faces, d) numbers, optional
+        A descriptor of your own, looked at under ``Params(feature="given")``; see `Pipeline`.
     progress : callable (stage: str, fraction: float), optional
         Called from the calling thread and from workers, never by two at once.
     cancel : threading.Event, optional
@@ -57,6 +61,9 @@ def segment(
     ------
     MeshError, TypeError
         Something that is not a mesh that can be worked with.
+    ValueError, TypeError
+        ``members`` or ``features`` that don't fit the mesh; ``features`` without ``feature="given"``, or
+        this without those.
     Cancelled
         ``cancel`` was set.
 
@@ -68,8 +75,22 @@ def segment(
     >>> segmentation = sw.segment(mesh, sw.Params(n_segments=2))
     >>> segmentation.n_segments, segmentation.labels.shape
     (2, (200,))
+
+    Halves of one plane that only a descriptor tells apart, here by features alone (``cost_b=0``):
+
+    >>> plane = square(10)
+    >>> side = plane.face_centroids[:, :1] > 0.5
+    >>> params = sw.Params.thesis(2, feature="given", cost_b=0, merge=False, k_range=(2, 2), n_runs=5)
+    >>> sw.segment(plane, params, features=side).n_segments
+    2
     """
-    return Pipeline(mesh, members=members).run(params, progress=progress, cancel=cancel)
+    if features is not None and _checked(params).feature != "given":
+        raise ValueError(
+            f"features are not looked at under feature={_checked(params).feature!r}; "
+            'write Params(feature="given"), or leave them out'
+        )
+    pipe = Pipeline(mesh, members=members, features=features)
+    return pipe.run(params, progress=progress, cancel=cancel)
 
 
 class Pipeline:
@@ -81,6 +102,11 @@ class Pipeline:
     members : sequence of (n_faces,) int, optional
         Labelings from elsewhere, −1 where they say nothing: another tool's, another person's, masks of
         pictures projected on the mesh. Each joins the ensemble with the weight of an eighth of its runs.
+    features : (n_vertices, d) or (n_faces, d) numbers, optional
+        What ``Params(feature="given")`` compares neighbours by: any descriptor, in any unit, for it is scaled
+        so that a step between neighbouring items is 1 (see `features.unit_steps`); columns count against
+        each other as they are. As many rows as vertices are of vertices, though there be as many faces.
+        Other values of ``feature`` don't look at it.
     memory : float
         Bytes that remembered results may take; the ones used longest ago are forgotten first. Forgetting
         changes no answer. 2 GB by default.
@@ -98,8 +124,16 @@ class Pipeline:
     Items(2 items, 1 pairs)
     """
 
-    def __init__(self, mesh: Mesh | Any, *, members: Sequence[IntArray] = (), memory: float = 2e9) -> None:
+    def __init__(
+        self,
+        mesh: Mesh | Any,
+        *,
+        members: Sequence[IntArray] = (),
+        features: FloatArray | None = None,
+        memory: float = 2e9,
+    ) -> None:
         self.mesh = load(mesh)
+        self._descriptor = None if features is None else checked_descriptor(self.mesh, features)
         self._members = _checked_members(self.mesh, members)
         self._memo = Memo(memory)
 
@@ -126,7 +160,7 @@ class Pipeline:
         cancel : threading.Event, optional
             Setting it ends the computation with `Cancelled`.
         """
-        params = _checked(params)
+        params = self._checked(params)
         timings: dict[str, float] = {}
         table = stages(params)
         last = next(reversed(table))
@@ -153,7 +187,7 @@ class Pipeline:
         cancel : threading.Event, optional
             Setting it ends the computation with `Cancelled`.
         """
-        table = stages(_checked(params).replace(granularity=1))
+        table = stages(self._checked(params).replace(granularity=1))
         family: Family = self._compute("family", table, Monitor(progress, cancel), {})
         return family
 
@@ -187,7 +221,7 @@ class Pipeline:
         ValueError
             These parameters have no such stage; the message lists those that they have.
         """
-        params = _checked(params)
+        params = self._checked(params)
         table = stages(params, also="eigenbasis" if stage == "eigenbasis" else "")
         if stage not in table:
             raise ValueError(f"stage must be one of {', '.join(map(repr, table))}, got {stage!r}")
@@ -196,6 +230,16 @@ class Pipeline:
     def clear(self) -> None:
         """Forget all results."""
         self._memo.clear()
+
+    def _checked(self, params: Params | None) -> Params:
+        params = _checked(params)
+        if params.feature == "given" and self._descriptor is None:
+            raise ValueError(
+                'feature="given" needs features: segment(mesh, params, features=X), '
+                "Pipeline(mesh, features=X); X of shape (n_vertices, d) or (n_faces, d); "
+                'or choose another feature, such as "normals"'
+            )
+        return params
 
     def _compute(
         self, name: str, table: Mapping[str, Stage], monitor: Monitor, timings: dict[str, float]
@@ -222,7 +266,7 @@ class Pipeline:
     def _input(
         self, need: str, table: Mapping[str, Stage], monitor: Monitor, timings: dict[str, float]
     ) -> Any:
-        given = {"mesh": self.mesh, "members": self._members}
+        given = {"mesh": self.mesh, "members": self._members, "descriptor": self._descriptor}
         return given[need] if need in given else self._compute(need, table, monitor, timings)
 
 

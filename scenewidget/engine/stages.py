@@ -15,6 +15,7 @@ from typing import Any, Literal
 import numpy as np
 
 from scenewidget.engine.allocation import Allocation, component_shares
+from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.consensus import (
     CoAssociation,
     Leftover,
@@ -42,6 +43,7 @@ from scenewidget.engine.features import (
     delta_coordinates,
     global_point_signature,
     heat_kernel_signature,
+    unit_steps,
     wave_kernel_signature,
 )
 from scenewidget.engine.finish import finish, tidied
@@ -93,7 +95,8 @@ class Stage:
     run : callable
         Called with the results of ``needs``, the options by their names, and ``monitor``.
     needs : tuple of str
-        Steps above it in the table; "mesh" is the mesh as loaded, "members" what joins the ensemble.
+        Steps above it in the table; "mesh" is the mesh as loaded, "members" what joins the ensemble,
+        "descriptor" the features given.
     options : tuple of (name, value)
         All that it can see of the parameters.
     key : hashable
@@ -180,6 +183,8 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
         step("eigenbasis", _eigenbasis, "items", k=p.n_eigenpairs, laplacian=p.laplacian)
     if is_spectral:
         step("features", _signatures, "items", "eigenbasis", variant="spectral", feature=p.feature)
+    elif p.feature == "given":
+        step("features", _given, "items", "mesh", "descriptor", variant="given")
     elif has_features:
         step("features", _delta, "items", variant="delta", feature=p.feature)
     step("distances", _distances, "items", *["features"] * has_features,
@@ -280,6 +285,13 @@ def _delta(items: Items, *, monitor: Monitor, feature: Any) -> FloatArray:
     return items.from_vertices(delta_coordinates(items.mesh, feature))
 
 
+def _given(items: Items, mesh: Mesh, by_face: FloatArray, *, monitor: Monitor) -> FloatArray | None:
+    features = unit_steps(items.from_raw_faces(by_face, mesh), items.pairs)
+    if features is None and len(items.pairs):
+        warn_caller("features differ between no neighbouring items, so the normals alone decide")
+    return features
+
+
 def _distances(
     items: Items,
     features: FloatArray | None = None,
@@ -297,7 +309,7 @@ def _distances(
     steps = None
     if features is not None:
         steps = np.linalg.norm(features[items.pairs[:, 0]] - features[items.pairs[:, 1]], axis=1)
-        if feature_floor == 0.0:
+        if feature_floor == 0.0 and b != 0.0:  # else creases cost no more than what is flat
             warn_of_vanishing_features(steps, costs)
     out = []
     for alpha in convex_weights:

@@ -18,6 +18,9 @@ __all__ = ["PRESETS", "SETTINGS", "Setting", "changes_from", "idle_reasons", "ne
 Kind = Literal["slider", "range", "number", "choice", "check", "list", "family"]
 
 PRESETS: Mapping[str, Params] = {"Default": Params(), "Thesis": Params.thesis()}
+DISABLED = {  # choices that can't be made here, and why
+    "given": "only with features: sw.segment(mesh, params, features=…)",
+}
 CODE = {"Default": "sw.Params", "Thesis": "sw.Params.thesis"}
 FREE = (
     "n_segments",
@@ -51,7 +54,9 @@ class Setting:
         """As the browser takes it."""
         words = {"automaticValue" if k == "automatic_value" else k: v for k, v in vars(self).items()}
         if self.kind == "choice":
-            words["choices"] = [[value, _text(value)] for value in CHOICES[self.name]]
+            words["choices"] = [
+                [value, _text(value), DISABLED.get(value, "")] for value in CHOICES[self.name]
+            ]
         return {k: v for k, v in words.items() if v is not None or k == "automaticValue"}
 
 

@@ -54,6 +54,13 @@ def test_every_option_has_an_input_with_a_sentence_on_what_it_does():
     json.dumps([setting.to_json() for setting in SETTINGS])
 
 
+def test_features_given_can_be_seen_but_not_chosen_where_there_are_none():
+    feature = next(setting for setting in SETTINGS if setting.name == "feature").to_json()
+    reasons = {value: why for value, _, why in feature["choices"]}
+    assert reasons.pop("given") == "only with features: sw.segment(mesh, params, features=…)"
+    assert not any(reasons.values())
+
+
 combinations = st.fixed_dictionaries({name: st.sampled_from(values) for name, values in OTHER_VALUES.items()})
 
 

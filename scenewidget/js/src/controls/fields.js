@@ -13,7 +13,7 @@ import { createNumberInput, numberOf } from "../panel/number_input.js";
  * @property {number} [low]
  * @property {number} [high]
  * @property {number} [step]
- * @property {Array<[string, string]>} [choices]  value, text
+ * @property {Array<[string, string, string?]>} [choices]  value, text, why it can't be chosen
  * @property {string} [automatic]  text of a box that leaves the value to the program, and what it stands for
  * @property {unknown} [automaticValue]
  */
@@ -267,7 +267,11 @@ function list({ name }, actions, id) {
 
 /** @param {Description} d @param {Typing} actions @param {string} id @returns {Input} */
 function choice({ name, choices = [] }, actions, id) {
-  const options = choices.map(([value, text]) => element("option", { value }, [text]));
+  const options = choices.map(([value, text, why]) =>
+    why
+      ? element("option", { value, disabled: "" }, [`${text}: ${why}`])
+      : element("option", { value }, [text]),
+  );
   const input = element("select", { id }, options);
   input.addEventListener("change", () => actions.set(name, input.value));
   input.addEventListener("keydown", (event) => event.stopPropagation());

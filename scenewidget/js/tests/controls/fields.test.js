@@ -133,6 +133,27 @@ test("a choice and a box are meant at once", () => {
   assert.deepEqual(check.done, [["set", "it", false]]);
 });
 
+test("a choice that can't be made is disabled and says why", () => {
+  const { inputs } = fake(
+    {
+      kind: "choice",
+      choices: [
+        ["a", "A", ""],
+        ["b", "B", "not here"],
+      ],
+    },
+    { value: "a" },
+  );
+  const options = [.../** @type {any} */ (inputs[0]).querySelectorAll("option")];
+  assert.deepEqual(
+    options.map((option) => [option.textContent, option.getAttribute("disabled") !== null]),
+    [
+      ["A", false],
+      ["B: not here", true],
+    ],
+  );
+});
+
 test("what has no effect is disabled and says why; what is wrong says so", () => {
   const { field, inputs, show } = fake({ kind: "number" });
   const why = /** @type {any} */ (field.element).querySelector(".swc-why");
