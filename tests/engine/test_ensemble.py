@@ -6,8 +6,14 @@ import shapes
 from hypothesis import given
 from hypothesis import strategies as st
 
+from scenewidget.engine.consensus import co_association
 from scenewidget.engine.distances import all_pairs, edge_costs, weight_graph
-from scenewidget.engine.ensemble import felzenszwalb_members, k_medoids_members, merge_flat
+from scenewidget.engine.ensemble import (
+    felzenszwalb_members,
+    given_members,
+    k_medoids_members,
+    merge_flat,
+)
 from scenewidget.engine.items import simplified_items
 from scenewidget.engine.kmedoids import INITS
 from scenewidget.engine.mesh import Mesh, face_adjacency
@@ -191,6 +197,37 @@ def test_members_from_elsewhere_are_heard_and_unknown_ones_say_nothing():
     np.testing.assert_array_equal(told.labels, renamed.labels)
     partial = segment(mesh, params, members=[np.where(parts < 6, -1, parts)] * 20)
     np.testing.assert_array_equal(partial.labels[parts < 6] == 0, alone.labels[parts < 6] == 0)
+
+
+ITEMS = items_of(shapes.box(2))  # 48 faces, each an item
+OWN = felzenszwalb_members(ITEMS, n_runs=8, seed=1)
+labelings = st.lists(st.integers(-1, 3), min_size=ITEMS.n, max_size=ITEMS.n).map(np.array)
+
+
+def joined_by(members):
+    keys = [given_members(ITEMS, members, OWN.shape[1])] if members else []
+    return co_association(np.concatenate([OWN, *keys], axis=1), ITEMS.areas)
+
+
+@given(st.lists(labelings, min_size=1, max_size=4), st.randoms(use_true_random=False), st.data())
+def test_order_and_silence_of_members_from_elsewhere_change_nothing(members, random, data):
+    told = joined_by(members)
+    others = members + [np.full(ITEMS.n, -1)] * data.draw(st.integers(0, 2))
+    random.shuffle(others)
+    again = joined_by(others)
+    np.testing.assert_array_equal(told.base, again.base)
+    np.testing.assert_array_equal(told.C, again.C)
+
+
+@given(st.lists(labelings, min_size=1, max_size=4))
+def test_pairs_that_a_member_does_not_see_together_are_unknown_to_it(members):
+    told = joined_by(members)
+    runs = np.concatenate([OWN.T, members])  # an eighth of eight runs: each counts as one
+    together = [(r[:, None] == r) & (r[:, None] >= 0) for r in runs]
+    seen = [(r[:, None] >= 0) & (r >= 0) for r in runs]
+    expected = np.sum(together, axis=0) / np.sum(seen, axis=0)
+    is_apart = told.base[:, None] != told.base  # within a base segment all runs agree
+    np.testing.assert_allclose(told.C[told.base][:, told.base][is_apart], expected[is_apart])
 
 
 def test_members_that_fit_no_face_are_refused():
