@@ -168,7 +168,7 @@ def reliability(table: Any, *, title: str = "") -> Chart:
         xlim=(0, 1),
         ylim=(0, 1),
         xlabel="confidence",
-        ylabel="share of face pairs rightly joined",
+        ylabel="share of faces that are right",
         title=title,
     )
     axes.legend(frameon=False, loc="upper left")
