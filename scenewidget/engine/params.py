@@ -125,7 +125,8 @@ class Params:
         What neighbouring items are compared by (thesis 3.2–3.3): "cotangent" or "uniform" δ-coordinates,
         "gps", "hks", "wks" signatures; "normals" leaves it to the cost alone; "given" are the ``features`` of
         `segment` or `Pipeline`. All multiply the cost, which is 0 where neighbours are coplanar: with
-        ``cost_b=0`` features decide there, too. Thesis: "cotangent".
+        ``cost_b=0`` features decide there, too. Only k-medoids runs look at them, and of the default's runs
+        these are the fewer: more ``n_runs`` or fewer ``n_graph_runs`` make them heard. Thesis: "cotangent".
     items : str
         "superfacets" of the raw mesh, or faces of the "simplified" one. Thesis: "simplified".
     scale : float or "auto"
