@@ -28,7 +28,6 @@ SURE = 0.4  # least probability of what is suggested first
 PROBABLE = 0.15  # least probability of what comes once there is nothing of that kind any more
 N_SAMPLES = 32  # faces by which a segment is known again
 MOST_PARTS = 1_000  # of a side that is named part by part
-N_ASIDE = 40  # sides of cuts that are tried on other segments, the most promising
 STRENGTH = 1.5  # what a decision adds at most to the log-odds of its like, per unit of surprise
 LIKE = 1.0  # how far a decision reaches, in standard deviations of the measures
 WORTH = 2e-4  # gain below which there is nothing more to look at
