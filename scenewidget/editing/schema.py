@@ -225,13 +225,18 @@ def replace_segmentation(connection: sqlite3.Connection, project: Project) -> No
 
 
 def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The entries that JSON can hold."""
-    out = {}
-    for key, value in values.items():
-        plain = value.item() if isinstance(value, np.generic) else value
-        if isinstance(plain, (str, bool, int)) or (isinstance(plain, float) and math.isfinite(plain)):
-            out[str(key)] = plain
-    return out
+    """The entries that JSON can hold: words, numbers, and lists and tables of these."""
+    return {str(key): plain for key, value in values.items() if (plain := _plain_value(value)) is not None}
+
+
+def _plain_value(value: Any) -> Any:
+    plain = value.item() if isinstance(value, np.generic) else value
+    if isinstance(plain, Mapping):
+        return _plain(plain)
+    if isinstance(plain, (list, tuple)):
+        return [_plain_value(one) for one in plain]
+    is_number = isinstance(plain, (bool, int)) or (isinstance(plain, float) and math.isfinite(plain))
+    return plain if is_number or isinstance(plain, str) else None
 
 
 def _put_fact(connection: sqlite3.Connection, key: str, value: Any) -> None:

@@ -259,6 +259,9 @@ class _Look:
         order = np.lexsort((share, piece))  # the segment that has most of a piece comes last and stays
         home = np.zeros(pieces.n, dtype=np.int64)
         home[piece[order]] = segment[order]
+        stays = keep[partition.segment[keep] == home[atom_piece[keep]]][::-1]
+        self.faces = pieces.first_face.copy()  # of each piece one that lies in its segment as it is now
+        self.faces[atom_piece[stays]] = partition.atoms.first_face[stays]
         self.ids, dense = np.unique(home, return_inverse=True)
         self.pieces = dataclasses.replace(pieces, segment=dense.astype(np.int32))
         self.doubt = doubts(
@@ -379,7 +382,7 @@ class _Look:
             title = f"Split a part off {thing or 'a segment'}"
         else:
             title = f"Merge {thing or 'a segment'} with {target or 'its likely rest'}"
-        faces = self.pieces.first_face[found.side] if len(found.side) else [self._face(found.home)]
+        faces = self.faces[found.side] if len(found.side) else [self._face(found.home)]
         return Suggestion(
             "split" if found.onto < 0 else "merge",
             tuple(int(face) for face in faces),
