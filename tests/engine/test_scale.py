@@ -1,0 +1,50 @@
+"""The unit of a scene, an order of faces that no file decides, and scenes that are far from each other."""
+
+import numpy as np
+import pytest
+import shapes
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scenewidget.engine.mesh import Mesh, face_adjacency
+from scenewidget.engine.scale import far_apart, geometric_order, scene_scale
+
+
+def test_rooms_are_measured_in_metres_and_tables_by_their_own_size():
+    assert scene_scale(20.0) == scene_scale(500.0) == 1.0
+    assert scene_scale(0.8) == pytest.approx(0.2)
+    assert scene_scale(0.0) == 1.0
+
+
+@given(st.floats(1e-6, 20.0), st.floats(0.01, 1.0))
+def test_the_unit_of_small_scenes_grows_with_their_size(area, factor):
+    assert scene_scale(area * factor**2) == pytest.approx(scene_scale(area) * factor)
+
+
+@settings(deadline=None, max_examples=25)
+@given(st.integers(0, 2**32 - 1))
+def test_the_order_is_the_same_however_a_file_numbers_things(seed):
+    mesh, rng = shapes.box(3), np.random.default_rng(seed)
+    place, faces = rng.permutation(mesh.n_vertices), rng.permutation(mesh.n_faces)
+    vertices = np.empty_like(mesh.vertices)
+    vertices[place] = mesh.vertices
+    turned = np.array(
+        [np.roll(f, k) for f, k in zip(place[mesh.faces[faces]], rng.integers(0, 3, len(faces)))]
+    )
+    again = Mesh(vertices, turned)
+    centers = mesh.face_centroids[geometric_order(mesh)]
+    np.testing.assert_allclose(again.face_centroids[geometric_order(again)], centers, atol=1e-12)
+
+
+@pytest.mark.parametrize(("distance", "n"), [(0.5, 1), (2.5, 2)])
+def test_boxes_are_scenes_of_their_own_beyond_the_gap(distance, n):
+    large, small = shapes.box(8), shapes.box(8, size=(0.5, 0.5, 0.5))
+    shift = [large.bounds[1, 0] - small.bounds[0, 0] + distance, 0, 0]
+    mesh = Mesh(
+        np.concatenate([small.vertices + shift, large.vertices]),
+        np.concatenate([small.faces, large.faces + small.n_vertices]),
+    )
+    scene = far_apart(mesh, face_adjacency(mesh), gap=1.0)
+    assert len(np.unique(scene)) == n
+    assert (scene[small.n_faces :] == 0).all()  # the larger one comes first
+    assert (scene[: small.n_faces] == n - 1).all()
