@@ -263,7 +263,7 @@ class Grow:
 
 @dataclass(frozen=True)
 class Shrink:
-    """The segment under ``face`` gives its outermost faces to the segments around it.
+    """The segment under ``face`` gives its outermost faces, so many ``rings`` of them, to those around it.
 
     Examples
     --------
@@ -284,7 +284,7 @@ class Shrink:
 
 @dataclass(frozen=True)
 class FillHoles:
-    """The segment under ``face`` takes what it encloses, piece by piece, up to so many faces a piece.
+    """The segment under ``face`` takes what it encloses, pieces of at most ``max_faces`` faces.
 
     Examples
     --------

@@ -261,7 +261,7 @@ class Session:
         return self.do(Shrink(face, rings))
 
     def fill_holes(self, face: int, max_faces: int = 100) -> Step:
-        """The segment under a face takes the pieces that it encloses, those of at most so many faces."""
+        """The segment under a face takes what it encloses, pieces of at most ``max_faces`` faces."""
         return self.do(FillHoles(face, max_faces))
 
     def smooth_border(self, face: int, rounds: int = 3) -> Step:

@@ -46,6 +46,12 @@ class Axis:
     rise : float
         How much more there is of the surface that faces this way, and at how many more heights it lies, as
         seats, tables and floors do, than of what faces the other way, as ceilings do; at most about 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> Axis(np.array([0.0, 0.0, 1.0]), along=0.3, against=0.2, extent=2.5, rise=0.4).extent
+    2.5
     """
 
     direction: FloatArray
@@ -114,6 +120,12 @@ def large_axes(mesh: Mesh) -> list[Axis]:
     Parameters
     ----------
     mesh : Mesh
+
+    Examples
+    --------
+    >>> from scenewidget.datasets.analytic import square
+    >>> [axis.direction.round(1).tolist() for axis in large_axes(square(20))]
+    [[0.0, 0.0, 1.0]]
     """
     return _axes(*_sample(mesh))
 

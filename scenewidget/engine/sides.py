@@ -31,6 +31,14 @@ def right_side_out(centers: FloatArray, normals: FloatArray, areas: FloatArray) 
         Unit, or zero.
     areas : (n,) float
         How much of the surface each stands for.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets.analytic import sphere
+    >>> ball = sphere(2)
+    >>> shape = ball.face_centroids, ball.face_normals, ball.face_areas
+    >>> right_side_out(0.1 * shape[0], shape[1], 0.01 * shape[2]) > 0.5  # a ball of 20 cm
+    True
     """
     solid = np.flatnonzero((areas > 0) & (np.abs(normals).sum(axis=1) > 0.5))
     if len(solid) < 10:

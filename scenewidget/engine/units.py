@@ -28,6 +28,11 @@ class Unit:
     name : str
     factor : float
         Metres of one.
+
+    Examples
+    --------
+    >>> Unit("inches", 0.0254).factor
+    0.0254
     """
 
     name: str
