@@ -8,6 +8,7 @@ import scenewidget
 
 TESTS, PACKAGE = Path(__file__).parent, Path(scenewidget.__file__).parent
 ELSEWHERE = {  # modules whose tests stand in the file of another name, since they only work together
+    "engine/scale.py": "engine/test_scene_scale.py",  # figures/test_scale.py has the short name
     "engine/sides.py": "engine/test_gravity.py",
     "engine/units.py": "engine/test_gravity.py",
     "figures/thesis.py": "figures/test_thesis_figures.py",  # engine/test_thesis.py has the short name

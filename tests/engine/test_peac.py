@@ -200,7 +200,7 @@ def ensemble_of_the_square(seed, n_base=300, n_runs=20):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_one_call_is_as_good_as_the_best_of_many_random_starts(seed):
-    C, weights, _, _ = ensemble_of_the_square(seed)
+    C, weights, _ = ensemble_of_the_square(seed)
     best = peac(C, weights, 10, init="dirichlet", n_restarts=6, n_seeds=0, seed=seed).objective
     assert peac(C, weights, 10).objective <= 1.01 * best
 

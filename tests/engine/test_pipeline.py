@@ -189,10 +189,10 @@ def test_maps_of_walls_are_remembered_counted_and_forgotten_with_the_rest():
 def test_results_are_freed_with_their_pipeline():
     pipe = Pipeline(ROOM)
     pipe.run(FAST)
-    before = sum(isinstance(o, Segmentation) for o in gc.get_objects())
+    before = sum(type(o) is Segmentation for o in gc.get_objects())
     del pipe
     gc.collect()
-    assert sum(isinstance(o, Segmentation) for o in gc.get_objects()) < before
+    assert sum(type(o) is Segmentation for o in gc.get_objects()) < before
 
 
 # --- progress and cancel --------------------------------------------------------------------------
