@@ -5,16 +5,19 @@ from __future__ import annotations
 import pytest
 from test_explore import WIDGET
 
+TORN = WIDGET.replace("n_segments=6", "n_segments=24")  # of six sides: most neighbours are one thing
+
 
 @pytest.fixture
 def suggesting(notebook):
-    """A segmented room whose settings offer suggestions; nothing may go wrong in the console meanwhile."""
-    book = notebook([WIDGET])
+    """A room in more segments than it has sides; nothing may go wrong in the console meanwhile."""
+    book = notebook([TORN])
     book.run_all()
     view = book.view()
     view.wait("busy", "false")
     view.settle()
     book.page.get_by_role("button", name="Next suggestion").wait_for()
+    assert int(book.evaluate("len(w.session.suggestions())")) >= 3
     yield book, view
     assert book.errors == []
 
