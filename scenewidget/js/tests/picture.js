@@ -6,6 +6,19 @@ import { fakeDispatcher, fakeModel, openPage, PageElement } from "./page.js";
 
 openPage();
 
+/** The surface of a strip of faces, each beside the next, with a crease before one of them. @param {number} n @param {number} crease */
+function strip(n, crease) {
+  const neighbors = new Int32Array(3 * n).fill(-1);
+  const shut = new Uint8Array(n);
+  for (let face = 1; face < n; face++) {
+    neighbors[3 * face] = face - 1;
+    neighbors[3 * (face - 1) + 1] = face;
+  }
+  shut[crease] = 1;
+  shut[crease - 1] = 2;
+  return { neighbors, shut, mark: new Uint32Array(n), last: 0 };
+}
+
 /** A picture 100 wide whose face at x is x; five faces a part, ten a segment. Hand and aim on it. */
 export function fakePicture({ mode = "edit", level = "base" } = {}) {
   const dispatcher = fakeDispatcher();
@@ -14,9 +27,17 @@ export function fakePicture({ mode = "edit", level = "base" } = {}) {
     ...{ size: { width: 100, height: 50 }, isMoving: false, look: {}, partition: null, looked: [] },
     faceAt: (/** @type {{ x: number }} */ { x }) => (x < 90 ? x : null),
     pointAt: (/** @type {{ x: number }} */ { x }) => (x < 90 ? [x, 0, 0] : null),
-    facesAround: (/** @type {{ x: number }} */ { x }) =>
-      new Set([x - 1, x, x + 1].filter((face) => face >= 0 && face < 90)),
+    facesAround: (/** @type {{ x: number }} */ { x }, /** @type {number} */ radius) =>
+      new Set(Array.from({ length: 90 }, (_, face) => face).filter((face) => Math.abs(face - x) <= radius)),
     placeOf: (/** @type {number[]} */ [x]) => ({ x, y: 0 }),
+    sight: {
+      pixelAt: () => 0.01,
+      placeOf: (/** @type {number} */ face) => ({ x: face, y: 0 }),
+      awayFrom: (/** @type {number} */ face, /** @type {number[]} */ [x]) => (0.01 * (face - x)) ** 2,
+      isSeen: () => true,
+    },
+    surface: strip(90, 45),
+    prepareSurface: () => view.looked.push("surface"),
     partOf: (/** @type {number} */ face) => Math.floor(face / 5),
     segmentOf: (/** @type {number} */ face) => Math.floor(face / 10),
     faceOf: (/** @type {number} */ segment) => 10 * segment,

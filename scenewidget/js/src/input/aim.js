@@ -3,6 +3,7 @@
 import { NONE } from "../labels/partition.js";
 import { heldOf, highlightOf, isCutting } from "./highlight.js";
 import { hintOf } from "./hints.js";
+import { radiusAt } from "./paint.js";
 
 /** @typedef {import("./gestures.js").Place} Place */
 /** @typedef {ReturnType<typeof createAim>} Aim */
@@ -15,7 +16,7 @@ const POINTING = ["idle", "tap", "press", "link", "dab", "brush", "paint"]; // p
  *   cutPreview: ReturnType<typeof import("./cut_preview.js").createCutPreview>,
  * }} around
  */
-export function createAim({ view, segments, root, hand, cutPreview, send, on, signal }) {
+export function createAim({ model, view, segments, root, hand, cutPreview, send, on, signal }) {
   /** Where the pointer is; null when it is elsewhere. @type {Place | null} */
   let pointer = null;
   /** Whether keys were used last: without a pointer they aim at the middle. */
@@ -73,9 +74,17 @@ export function createAim({ view, segments, root, hand, cutPreview, send, on, si
     send({ kind: "hint", ...hintOf(hand, segments, cutPreview.isLooking) });
   }
 
+  /** The outline of the round brush. */
+  function ring() {
+    const at = hand.tool === "paint" && model.get("mode") === "edit" ? place() : null;
+    const radius = at && radiusAt(view, hand.options.current, at);
+    send({ kind: "ring", place: radius === null ? null : at, radius: radius ?? 0 });
+  }
+
   /** The line from the part being moved to the pointer. @param {Place | null} [tip] */
   function stretch(tip = place()) {
     const { gesture, points, tool } = hand;
+    ring();
     const start = gesture.phase === "link" ? points.press : gesture.picked && points.picked;
     const isCut = segments.pending.operations.some(({ kind }) => kind === "cut");
     if (!isCut) points.seeds = null;
@@ -111,6 +120,7 @@ export function createAim({ view, segments, root, hand, cutPreview, send, on, si
       point(true);
       stretch();
     },
+    options: ring,
     cut_sought() {
       if (hand.tool === "cut" && !hand.gesture.stroke) hint();
     },

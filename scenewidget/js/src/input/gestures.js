@@ -35,6 +35,7 @@ const MOST_GATHERED = 5000;
  * @property {number} [button]  0 left, 1 middle, 2 right
  * @property {boolean} [shift]
  * @property {boolean} [brush]  a key is held that makes any tool a brush
+ * @property {boolean} [isFree]  a key is held that frees the round brush from the surface
  * @property {boolean} [isTouch]
  * @property {boolean} [isOutside]  the pointer has left the picture
  * @property {Hit | null} [hit]  what lies under the pointer; null outside the picture and on the background

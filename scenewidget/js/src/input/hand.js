@@ -4,6 +4,7 @@ import { NONE } from "../labels/partition.js";
 import { FINAL } from "../labels/prediction.js";
 import { IDLE, step } from "./gestures.js";
 import { createPaint } from "./paint.js";
+import { createToolOptions } from "./tool_options.js";
 
 /** @typedef {import("../scene/camera.js").Vec3} Vec3 */
 /** @typedef {import("./gestures.js").Action} Action */
@@ -25,7 +26,8 @@ export function createHand({ model, view, segments, root, send, on }) {
     seeds: /** @type {[Vec3, Vec3] | null} */ (null), // of a cut that Python is about
   };
 
-  const paint = createPaint({ view, segments, send });
+  const options = createToolOptions({ send, on });
+  const paint = createPaint({ view, segments, options, send });
 
   /** @param {PointerEventLike} event */
   function feed(event) {
@@ -90,6 +92,7 @@ export function createHand({ model, view, segments, root, send, on }) {
   function setTool(wanted) {
     tool = wanted === tool ? "merge" : wanted;
     root.dataset.tool = tool;
+    if (tool === "paint") view.prepareSurface();
     letGo();
     send({ kind: "tool_taken", tool });
   }
@@ -123,6 +126,9 @@ export function createHand({ model, view, segments, root, send, on }) {
 
   on({
     tool: ({ tool: wanted }) => setTool(wanted),
+    resize({ way }) {
+      if (tool === "paint") options.resize(way);
+    },
     let_go: letGo,
     back,
     finish: () => feed({ type: "finish", id: -1, x: 0, y: 0 }),
@@ -137,6 +143,7 @@ export function createHand({ model, view, segments, root, send, on }) {
       return tool;
     },
     points,
+    options,
     feed,
     letGo,
     back,

@@ -11,6 +11,7 @@
  *   | { kind: "level" | "quick_name", index: number }
  *   | { kind: "part", what: PartAction }
  *   | { kind: "undo" | "redo" | "escape" | "choose" | "finish" | "show_all" | "save" }
+ *   | { kind: "resize", way: 1 | -1 }
  *   | { kind: "tool", tool: import("./gestures.js").Tool }} Command
  */
 
@@ -69,6 +70,7 @@ const EDIT = [
   ["Ctrl + drag, G", "brush: gather parts onto the first"],
   ["Ctrl + click; Shift + Enter", "gather one by one; merge them"],
   ["M", "paint: faces under a round brush, out of a segment or onto it"],
+  ["[  ]", "smaller, larger brush; with Alt it leaves the surface"],
   ["Right click, S", "split"],
   ["C", "cut: from one side to the other"],
   ["N", "name the segment"],
@@ -178,9 +180,13 @@ const EDIT_COMMANDS = {
   g: { kind: "tool", tool: "brush" },
   m: { kind: "tool", tool: "paint" },
   n: { kind: "part", what: "name" },
+  "[": { kind: "resize", way: -1 },
+  "]": { kind: "resize", way: 1 },
   u: { kind: "toggle", what: "history_shown" },
   s: { kind: "part", what: "split" },
 };
+
+const BRACKETS = ["[", "]"];
 
 /**
  * The command of a key press; null for keys that are not ours, which the host may have.
@@ -191,6 +197,7 @@ const EDIT_COMMANDS = {
  */
 export function command(event, mode, isInside = false) {
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  if (mode === "edit" && BRACKETS.includes(key)) return EDIT_COMMANDS[key]; // with Alt on many keyboards
   if (event.altKey) return null;
   if (event.ctrlKey || event.metaKey) {
     if (key === "s" && !event.shiftKey) return { kind: "save" };

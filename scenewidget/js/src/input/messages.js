@@ -23,6 +23,7 @@
  * - cut_ceiling: of the section
  * - let_go: of what is in hand; back: of that or, if there is nothing, of the tool
  * - choose_segment: what a click on its row in the list does
+ * - option: of a tool is to be set
  * - answer: a button of a notice was pressed
  * - cancel: the computation
  * - draw: the picture, at a size of its own, for `take` to copy; throws where that can't be
@@ -38,6 +39,7 @@
  *   | { kind: "go_to", n: number }
  *   | { kind: "draw", width: number, height: number, scale: number, take: (canvas: HTMLCanvasElement) => void }
  *   | { kind: "choose_segment", segment: number }
+ *   | { kind: "option", changes: Partial<import("./tool_options.js").ToolOptions> }
  *   | { kind: "answer", notice: string, action: string }} Wish
  */
 
@@ -45,17 +47,18 @@
  * - moving, rested: whether what lies under the pointer is known; moved: the camera, by this view's own doing
  * - lost, restored: the graphics context
  * - segments: they are to be read again; state: only what is said about them; hidden: what is drawn
- * - hand: what is in hand, or on what, has changed; tool_taken: another tool
+ * - hand: what is in hand, or on what, has changed; tool_taken: another tool; options: of the tools
  * - pointed: the pointer is on another face; twin_pointed: that of a linked view
  * - listed: the list points at a segment; suggested: an edit is, onto −1 = off what it is part of
  * - cut_sought: Python begins or ends to look for a cut
  *
  * To be shown beside the picture: remark (for a moment), hover (of what is pointed at), hint (of what can be
- * done next), line (from what is in hand to the pointer), twin (where a linked view points), cross (where keys
+ * done next), line (from what is in hand to the pointer), ring (the round brush), twin (where a linked view points), cross (where keys
  * act), marked (a row of the list), ask_name (the form).
  * @typedef {{ kind: "moving" | "rested" | "lost" | "restored" | "segments" | "state" | "hidden" | "hand" | "cut_sought" }
  *   | { kind: "moved", camera: import("../scene/camera.js").Camera }
  *   | { kind: "tool_taken", tool: Tool }
+ *   | { kind: "options", options: import("./tool_options.js").ToolOptions }
  *   | { kind: "pointed", face: number | null, at: Vec3 | null }
  *   | { kind: "twin_pointed", face: number | null }
  *   | { kind: "listed", segment: number | null }
@@ -64,6 +67,7 @@
  *   | { kind: "hover", words: { text: string, color: string | null } | null }
  *   | { kind: "hint", text: string | null, of: "part" | "stroke" | "hint" }
  *   | { kind: "line", from: Place | null, to: Place | null, isHeld: boolean }
+ *   | { kind: "ring", place: Place | null, radius: number }
  *   | { kind: "twin", place: Place | null }
  *   | { kind: "cross", isShown: boolean }
  *   | { kind: "marked", segment: number | null }

@@ -3,15 +3,24 @@
  *
  * A stroke that never leaves that segment would change nothing: it makes its faces a segment of their own. So a
  * mug that is melted into its table is painted out of it, and the next stroke that begins on the mug adds to it.
+ * Set to take away, it gives faces of that segment alone to the one around them that they touch most.
+ *
+ * A brush that sticks to the surface takes what it reaches from where the stroke began without crossing a crease
+ * or an edge between colours: the table under the mug stays what it is, however far the brush hangs over.
  */
 
 import { rangesOf } from "../labels/painting.js";
+import { NONE } from "../labels/partition.js";
+import { reached } from "../scene/surface.js";
 
-/** Radius of the brush, CSS pixels. */
-export const BRUSH_RADIUS = 12;
+/** @typedef {import("./gestures.js").Place} Place */
 
-/** @param {Pick<import("./messages.js").Around, "view" | "segments" | "send">} around */
-export function createPaint({ view, segments, send }) {
+/**
+ * @param {Pick<import("./messages.js").Around, "view" | "segments" | "send"> & {
+ *   options: Pick<import("./tool_options.js").Options, "current">,
+ * }} around
+ */
+export function createPaint({ view, segments, options, send }) {
   /** @type {Set<number>} */
   let faces = new Set();
   /** @type {number | null} */
@@ -25,11 +34,29 @@ export function createPaint({ view, segments, send }) {
   }
 
   function edit() {
-    return /** @type {const} */ ({
-      kind: "paint",
-      ranges: rangesOf(faces),
-      onto_face: hasLeft ? first : null,
-    });
+    const { takesAway } = options.current;
+    const onto = takesAway ? around() : hasLeft ? first : null;
+    return /** @type {const} */ ({ kind: "paint", ranges: rangesOf(faces), onto_face: onto });
+  }
+
+  /** A face of the other segment that the stroke touches most; null if it touches none. */
+  function around() {
+    const { surface } = view;
+    const home = first === null ? NONE : segments.baseOf(first);
+    /** @type {Map<number, { face: number, n: number }>} */
+    const touched = new Map();
+    for (const face of surface ? faces : []) {
+      for (let side = 3 * face; side < 3 * face + 3; side++) {
+        const next = surface?.neighbors[side] ?? -1;
+        const segment = next < 0 || faces.has(next) ? home : segments.baseOf(next);
+        if (segment === home || segment === NONE) continue;
+        const known = touched.get(segment);
+        if (known) known.n++;
+        else touched.set(segment, { face: next, n: 1 });
+      }
+    }
+    const most = [...touched.values()].sort((a, b) => b.n - a.n);
+    return most[0]?.face ?? null;
   }
 
   function drop() {
@@ -39,16 +66,45 @@ export function createPaint({ view, segments, send }) {
     if (hadAny) send({ kind: "segments" });
   }
 
+  /**
+   * What lies under the brush and is to be taken.
+   * @param {Place} place
+   * @param {boolean} isFree  from the surface
+   */
+  function under(place, isFree) {
+    const { sight, surface } = view;
+    const middle = view.pointAt(place);
+    const radius = radiusAt(view, options.current, place);
+    if (!sight || !surface || radius === null) return [];
+    const seen = view.facesAround(place, radius);
+    const { unit, sticks, takesAway } = options.current;
+    const reach = options.current.radius.cm / 100;
+    if (unit === "cm" && middle)
+      for (const face of seen) if (sight.awayFrom(face, middle) > (2 * reach) ** 2) seen.delete(face);
+    const isUnder = (/** @type {number} */ face) => {
+      if (unit === "cm") return middle !== null && sight.awayFrom(face, middle) <= reach ** 2;
+      const { x, y } = sight.placeOf(face);
+      return (x - place.x) ** 2 + (y - place.y) ** 2 <= radius ** 2;
+    };
+    const home = first === null || !takesAway ? NONE : segments.baseOf(first);
+    const counts = (/** @type {number} */ face) =>
+      (home === NONE || segments.baseOf(face) === home) &&
+      (seen.has(face) || (isUnder(face) && sight.isSeen(face)));
+    const isBound = sticks && !isFree;
+    const begun = faces.size > 0 ? [...seen].filter((face) => faces.has(face)) : [first ?? -1];
+    return reached(surface, isBound ? begun.filter((face) => face >= 0) : seen, counts, isBound);
+  }
+
   return {
     /**
      * Take what lies under the brush.
-     * @param {import("./gestures.js").Place} place
+     * @param {Place & { isFree?: boolean }} place  isFree: it doesn't stick to the surface for now
      * @param {number | null} from  face on which the stroke began
      */
     add(place, from) {
       first ??= from;
       const before = faces.size;
-      for (const face of view.facesAround(place, BRUSH_RADIUS)) {
+      for (const face of under(place, place.isFree ?? false)) {
         if (faces.has(face)) continue;
         faces.add(face);
         // what is in the sketch already is in another segment as it is shown, but no new face is
@@ -68,4 +124,17 @@ export function createPaint({ view, segments, send }) {
       if (done) send({ kind: "edit", edit: done });
     },
   };
+}
+
+/**
+ * Radius of the brush in pixels of the picture; null where there is no surface to measure it on.
+ * @param {Pick<import("../scene/viewer.js").Viewer, "sight" | "pointAt">} view
+ * @param {import("./tool_options.js").ToolOptions} options
+ * @param {Place} place
+ */
+export function radiusAt(view, { unit, radius }, place) {
+  if (unit === "px") return radius.px;
+  const point = view.pointAt(place);
+  const pixel = point && view.sight?.pixelAt(point);
+  return pixel ? radius.cm / 100 / pixel : null;
 }

@@ -50,7 +50,7 @@ export function listenToPointer({ model, view, root, canvas, hand, aim, signal }
     const hit = isOutside ? null : view.hitAt(place);
     const { pointerId: id, button, shiftKey: shift } = event;
     const brush = event.metaKey || (event.ctrlKey && !IS_MAC); // there, Ctrl makes a right click
-    const kind = { id, button, shift, brush, isOutside, isTouch };
+    const kind = { id, button, shift, brush, isOutside, isTouch, isFree: event.altKey };
     const isStroke = hand.gesture.stroke || hand.gesture.phase === "paint";
     if (type === "move" && isStroke && last && !isOutside) {
       for (const between of placesBetween(last, place, BRUSH_STEP))

@@ -16,6 +16,7 @@ import { createRubberBand } from "./rubber_band.js";
 import { createSectionPanel } from "./section_panel.js";
 import { createSegmentList } from "./segment_list.js";
 import { createStatusLine } from "./status_line.js";
+import { createToolOptionsBar } from "./tool_options.js";
 import { createToolbar } from "./toolbar.js";
 
 /** @typedef {import("../input/messages.js").Around} Around */
@@ -66,15 +67,17 @@ export function createPanel(host, { send, on }) {
     theme: () => (root.dataset.theme === "dark" ? "dark" : "light"),
   });
   const history = createHistory(send, leave);
+  const options = createToolOptionsBar(send, leave);
+  const ring = element("div", { class: "sw-ring", "aria-hidden": "true", hidden: "" });
   const twin = element("div", { class: "sw-twin", "aria-hidden": "true", hidden: "" });
   const cross = element("div", { class: "sw-aim", "aria-hidden": "true", hidden: "" });
   const preview = element("div", { class: "sw-preview", role: "status", hidden: "" }, ["Preview"]);
   const dock = element("div", { class: "sw-dock" }, [
-    ...[autosave.bars, error.element, progress.element, picked.element],
+    ...[autosave.bars, error.element, progress.element, options.element, picked.element],
   ]);
   const root = element("div", ATTRIBUTES, [
     element("div", { class: "sw-stage" }, [
-      ...[canvas, twin, preview, band.element, cross, toolbar.element, legend.element, status.element],
+      ...[canvas, twin, preview, band.element, ring, cross, toolbar.element, legend.element, status.element],
       ...[progress.track, history.element, section.element, picture.element, dock],
       ...[nameForm.element, help.element, announcer.element],
     ]),
@@ -110,7 +113,17 @@ export function createPanel(host, { send, on }) {
         picture.show(!picture.isShown());
       }
     },
-    tool_taken: ({ tool }) => toolbar.showTool(tool),
+    tool_taken({ tool }) {
+      toolbar.showTool(tool);
+      options.showTool(tool);
+    },
+    options: ({ options: next }) => options.show(next),
+    ring({ place, radius }) {
+      ring.hidden = !place;
+      if (!place) return;
+      ring.style.width = ring.style.height = `${2 * radius}px`;
+      ring.style.transform = `translate(${place.x - radius}px, ${place.y - radius}px)`;
+    },
     remark: ({ text }) => status.remark(text),
     hover: ({ words }) => status.hover(words),
     hint: (hint) => picked.show(hint),

@@ -26,7 +26,9 @@ import { between, shorterTurn } from "./flight.js";
 import { boundingBall, coarse, sample } from "./geometry.js";
 import { SceneRenderer } from "./renderer.js";
 import { belowCeiling, boxOf, extentOf, isWhole, pointsInside, WHOLE } from "./section.js";
+import { createSight } from "./sight.js";
 import { faceIn, facesAround, pointIn, rayAt } from "./snapshot.js";
+import { surveyOf } from "./surveys.js";
 import { dolly, goTo, lookAround, lookTo, standing, standingPlace, walked } from "./walk.js";
 
 /** @typedef {import("./camera.js").Camera} Camera */
@@ -104,6 +106,8 @@ export class Viewer {
     /** Where one looked from before going inside. @type {Camera | null} */
     this.outside = null;
     this.size = { width: 0, height: 0 };
+    /** @type {{ snapshot: import("./snapshot.js").Snapshot, sight: import("./sight.js").Sight } | null} */
+    this.seen = null;
     /** @type {import("./snapshot.js").Snapshot | null} */
     this.snapshot = null;
     this.look = {
@@ -417,6 +421,24 @@ export class Viewer {
   facesAround(place, radius) {
     if (!this.snapshot || this.isMoving) return /** @type {Set<number>} */ (new Set());
     return facesAround(this.snapshot, place, radius, this.size);
+  }
+
+  /** What is seen of the scan, as it last stood still; null while it moves. */
+  get sight() {
+    const { snapshot, mesh, size } = this;
+    if (!snapshot || !mesh || this.isMoving) return null;
+    if (this.seen?.snapshot !== snapshot) this.seen = { snapshot, sight: createSight(snapshot, size, mesh) };
+    return this.seen.sight;
+  }
+
+  /** Begin to look at what touches what, for tools that are about to need it. */
+  prepareSurface() {
+    if (this.mesh) surveyOf(this.mesh).begin();
+  }
+
+  /** What touches what on the scan. */
+  get surface() {
+    return this.mesh && surveyOf(this.mesh).surface();
   }
 
   /**
