@@ -143,8 +143,8 @@ def _axes(centers: FloatArray, normals: FloatArray, areas: FloatArray) -> list[A
     )
     found: list[FloatArray] = []
     for start in np.argsort(-share, kind="stable"):
-        if len(found) == 6:
-            break
+        if len(found) == 6 or share[start] == 0.0:
+            break  # there is nothing left to refine from
         if all(abs(directions[start] @ axis) < APART for axis in found):
             axis = _refined(directions[start], normals, areas)
             if all(abs(axis @ other) < APART for other in found):

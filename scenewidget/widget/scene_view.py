@@ -291,14 +291,13 @@ class SceneView(anywidget.AnyWidget):
         self._colors = SegmentColors(mesh)
         self._parts: dict[str, IntArray] = {}  # of each atom, by level
         self._preview_items: Items | None = None
-        options["up"] = up = checked_up(options.get("up", "auto"))
+        options["up"] = checked_up(options.get("up", "auto"))  # which is heard, and `_up` follows
         arrays = geometry(mesh)
         if mesh.vertex_colors is not None:
             options.setdefault("color_by", "scan")
         super().__init__(
             _esm=bundled("scene_view.js"),
             _css=bundled("scene_view.css"),
-            _up=list(up_vector(up, mesh)),
             _token=secrets.token_hex(8),
             _headers={name: header(array) for name, array in arrays.items()},
             **{f"_{name}": array.tobytes() for name, array in arrays.items()},
