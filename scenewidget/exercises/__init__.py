@@ -25,6 +25,10 @@ _HOME = {  # notebook -> module that has its exercises
     "06": "paths",
     "07": "medoids",
     "08": "agreement",
+    "12": "drums",
+    "13": "heat",
+    "14": "poisson",
+    "15": "graph_cuts",
 }
 
 
