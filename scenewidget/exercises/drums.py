@@ -24,7 +24,7 @@ def lowest_clamped() -> float:
 
 def expected() -> float:
     """Weyl's law with its second term, for a clamped unit square."""
-    return LEVEL / (4 * np.pi) - 4 * np.sqrt(LEVEL) / (4 * np.pi)
+    return float(LEVEL / (4 * np.pi) - 4 * np.sqrt(LEVEL) / (4 * np.pi))
 
 
 def trusted() -> int:
