@@ -30,7 +30,7 @@ from scenewidget.engine.mesh import (
     connected_components,
     face_adjacency,
 )
-from scenewidget.engine.moments import Moments, face_moments, mean_normals, moment_origin
+from scenewidget.engine.moments import Moments, group_moments, mean_normals, moment_origin
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.preprocess import filter_normals, simplify
 from scenewidget.engine.scale import far_apart, geometric_order, scene_scale
@@ -589,7 +589,7 @@ def patch_items(
     face_pairs = face_adjacency(mesh) if pairs is None else pairs
     normals = mesh.face_normals if normals is None else normals
     n = int(item_of_face.max()) + 1
-    moments = face_moments(mesh).gather(item_of_face, n)
+    moments = group_moments(mesh, item_of_face, n)
     item_normals = mean_normals(mesh.face_vectors, item_of_face, n)
     ends = item_of_face[face_pairs]
     is_seam = (ends >= 0).all(axis=1) & (ends[:, 0] != ends[:, 1])
@@ -678,17 +678,19 @@ def find_bridges(mesh: Mesh, pairs: IntArray, reach: float) -> IntArray:
         return bridges
     points = mesh.face_centroids[border]
     tree = cKDTree(points)
-    while True:  # crumbs first find each other: then their groups look further, and so on
-        n_components, component = connected_components(mesh.n_faces, np.concatenate([pairs, bridges]))
-        if n_components == 1:
-            return bridges
-        home = component[border]
-        asking = np.flatnonzero(home != np.bincount(component).argmax())
+    n_components, component = connected_components(mesh.n_faces, pairs)
+    size = np.bincount(component)
+    home, n_homes, home_size = component[border], n_components, size
+    while n_homes > 1:  # crumbs first find each other: then their groups look further, and so on
+        asking = np.flatnonzero(home != home_size.argmax())
         found = border[_nearest_elsewhere(tree, points, home, asking, reach)]
         if len(found) == 0:
-            return bridges
+            break
         found = np.concatenate([bridges, np.sort(found, axis=1)])
         bridges = np.unique(found, axis=0).astype(np.int32)
+        n_homes, group = connected_components(n_components, component[bridges])
+        home, home_size = group[component[border]], np.bincount(group, size).astype(np.int64)
+    return bridges
 
 
 def _nearest_elsewhere(

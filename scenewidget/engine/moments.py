@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 from scipy import sparse
 
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["Moments", "face_moments", "mean_normals", "moment_origin"]
+__all__ = ["Moments", "face_moments", "group_moments", "mean_normals", "moment_origin"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +128,58 @@ def face_moments(mesh: Mesh) -> Moments:
     area = mesh.face_areas
     second = np.einsum("fki,fkj->fij", corners, corners) + 9.0 * center[:, :, None] * center[:, None, :]
     return Moments(area, area[:, None] * center, (area / 12.0)[:, None, None] * second)
+
+
+def group_moments(mesh: Mesh, group: IntArray, n_groups: int) -> Moments:
+    """Moments of groups of faces: the same as ``face_moments(mesh).gather(group, n_groups)``, in one pass.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    group : (n_faces,) int
+        Group of each face; faces in group −1 are left out.
+    n_groups : int
+
+    Returns
+    -------
+    Moments
+        Of each group; positions count from ``moment_origin(mesh)``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.moments import group_moments
+    >>> group_moments(square(1), np.array([0, -1]), 1).area.tolist()
+    [0.5]
+    """
+    if mesh.is_cloud:
+        return face_moments(mesh).gather(group, n_groups)
+    sums = np.zeros((n_groups, 13))
+    vertices = mesh.vertices - moment_origin(mesh)
+    _add_moments(vertices, mesh.faces, mesh.face_areas, np.asarray(group, dtype=np.int32), sums)
+    return Moments(sums[:, 0], sums[:, 1:4], sums[:, 4:].reshape(-1, 3, 3))
+
+
+@numba.njit(cache=True, nogil=True)
+def _add_moments(vertices, faces, areas, group, sums):  # type: ignore[no-untyped-def]
+    """Add the area, the first and the second moments of each face to the row of its group."""
+    for f in range(len(faces)):
+        row = group[f]
+        if row < 0:
+            continue
+        p, q, r = faces[f, 0], faces[f, 1], faces[f, 2]
+        area = areas[f]
+        sums[row, 0] += area
+        for i in range(3):
+            a, b, c = vertices[p, i], vertices[q, i], vertices[r, i]
+            center = (a + b + c) / 3
+            sums[row, 1 + i] += area * center
+            for j in range(3):
+                d, e, g = vertices[p, j], vertices[q, j], vertices[r, j]
+                sums[row, 4 + 3 * i + j] += (
+                    area / 12.0 * (a * d + b * e + c * g + 9.0 * center * ((d + e + g) / 3))
+                )
 
 
 def mean_normals(vectors: FloatArray, group: IntArray, n_groups: int) -> FloatArray:

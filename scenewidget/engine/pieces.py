@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenewidget.engine.items import find_bridges
-from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, face_adjacency
-from scenewidget.engine.moments import Moments, face_moments
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, face_adjacency, unique_codes
+from scenewidget.engine.moments import Moments, group_moments
 from scenewidget.engine.scale import scene_scale
 
 __all__ = ["Pieces", "make_pieces"]
@@ -131,7 +131,7 @@ def make_pieces(
     keep = (labels >= 0) & (base >= 0)
     n_labels = int(labels.max(initial=-1)) + 1
     code = base[keep].astype(np.int64) * n_labels + labels[keep]
-    codes, index = np.unique(code, return_inverse=True)
+    codes, index = unique_codes(code, (int(base.max(initial=-1)) + 1) * n_labels)
     n = len(codes)
     face_piece = np.full(mesh.n_faces, -1, dtype=np.int32)
     face_piece[keep] = index
@@ -148,7 +148,7 @@ def make_pieces(
         (codes // max(n_labels, 1)).astype(np.int32),
         (codes % max(n_labels, 1)).astype(np.int32),
         np.bincount(index, minlength=n),
-        face_moments(mesh).gather(face_piece, n),
+        group_moments(mesh, face_piece, n),
         vectors.astype(np.float64),
         pairs,
         length,

@@ -6,6 +6,7 @@ raw faces (thesis 3.1), and face normals freed from the scanner's noise.
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import threading
 from collections.abc import Callable
@@ -26,6 +27,7 @@ from scenewidget.engine.mesh import (
     MeshError,
     connected_components,
     face_adjacency,
+    unique_codes,
     weld,
 )
 from scenewidget.engine.monitor import SILENT, Monitor
@@ -229,14 +231,15 @@ def simplify(
         "simplified faces dropped": reached - small.n_faces,
     }
     origin = np.unique(origin, return_inverse=True)[1].astype(np.int32)
+    small = dataclasses.replace(small, source=mesh.source)  # what its reader said of units is not said again
     return Simplified(small, origin, face_map, np.concatenate([touching, bridges]), bridges, report)
 
 
 def _by_size(component: IntArray) -> IntArray:
     """Components numbered by descending number of faces, equal ones in their order."""
-    _, place, count = np.unique(component, return_inverse=True, return_counts=True)
-    rank = np.empty(len(count), dtype=np.int32)
-    rank[np.argsort(-count, kind="stable")] = np.arange(len(count))
+    present, place = unique_codes(component, int(component.max()) + 1)
+    rank = np.empty(len(present), dtype=np.int32)
+    rank[np.argsort(-np.bincount(place), kind="stable")] = np.arange(len(present))
     return rank[place]
 
 
@@ -254,7 +257,7 @@ def _simplified(
     """
     n = len(vertices)
     code = component[:, None].astype(np.int64) * n + faces  # what two components share is one vertex of each
-    used, compact = np.unique(code, return_inverse=True)
+    used, compact = unique_codes(code, (int(component.max()) + 1) * n)
     vertices, owner = vertices[used % n], used // n
     faces = compact.reshape(-1, 3).astype(np.int32)
     if len(faces) <= target:

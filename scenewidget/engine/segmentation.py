@@ -16,7 +16,7 @@ from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.doubt import Doubt, doubts
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
-from scenewidget.engine.moments import face_moments, mean_normals, moment_origin
+from scenewidget.engine.moments import group_moments, mean_normals, moment_origin
 from scenewidget.engine.naming import name_segments
 from scenewidget.engine.pieces import make_pieces
 
@@ -325,7 +325,7 @@ class Segmentation:
         import pandas as pd
 
         n, labels, mesh = self.n_segments, self.labels, self.mesh
-        moments = face_moments(mesh).gather(labels, n)
+        moments = group_moments(mesh, labels, n)
         keep = labels >= 0
         inside = labels[keep]
         normal = mean_normals(mesh.face_vectors, labels, n)

@@ -5,6 +5,7 @@ Goes in: a sample of a surface with its normals. Comes out: a number from −1 (
 
 from __future__ import annotations
 
+import numba
 import numpy as np
 
 from scenewidget.engine.mesh import FloatArray
@@ -49,17 +50,34 @@ def right_side_out(centers: FloatArray, normals: FloatArray, areas: FloatArray) 
     starts = targets[:N_RAYS]
     patch = max(areas[solid].sum() / N_TARGETS, float(np.median(areas[targets])))
     reach = 1.2 * np.sqrt(patch)  # at which the targets leave no holes
-    before, behind = np.full(len(starts), np.inf), np.full(len(starts), np.inf)
-    for part in np.array_split(np.arange(len(starts)), 12):  # N_RAYS × N_TARGETS distances, in a few MB
-        away = centers[targets][None] - centers[starts[part]][:, None]
-        depth = np.einsum("ijk,ik->ij", away, normals[starts[part]])
-        aside = np.einsum("ijk,ijk->ij", away, away) - depth**2
-        faces = (normals[starts[part]] @ normals[targets].T < OPPOSITE) & (aside < reach**2)
-        before[part] = np.where(faces & (depth > 0.2 * reach), depth, np.inf).min(axis=1)
-        behind[part] = np.where(faces & (depth < -0.2 * reach), -depth, np.inf).min(axis=1)
+    before, behind = _nearest_facing(centers[targets], normals[targets], len(starts), reach)
     near, far = np.minimum(before, behind), np.maximum(before, behind)
     says = np.isfinite(near)
     is_before_near = before < behind
     # one hit: thin things lie behind, rooms before; two: what is nearer is the thing itself
     is_right = np.where(np.isfinite(far), ~is_before_near, (near > THICK) == is_before_near)
     return float(np.where(is_right, 1.0, -1.0)[says].sum() / len(starts))
+
+
+@numba.njit(cache=True, nogil=True)
+def _nearest_facing(centers, normals, n_starts, reach):  # type: ignore[no-untyped-def]
+    """How far before and behind each of the first points the nearest one lies that faces the other way."""
+    before = np.empty(n_starts)
+    behind = np.empty(n_starts)
+    for i in range(n_starts):
+        before[i] = behind[i] = np.inf
+        nx, ny, nz = normals[i, 0], normals[i, 1], normals[i, 2]
+        for j in range(len(centers)):
+            if nx * normals[j, 0] + ny * normals[j, 1] + nz * normals[j, 2] >= OPPOSITE:
+                continue
+            x = centers[j, 0] - centers[i, 0]
+            y = centers[j, 1] - centers[i, 1]
+            z = centers[j, 2] - centers[i, 2]
+            depth = x * nx + y * ny + z * nz
+            if x * x + y * y + z * z - depth * depth >= reach * reach:
+                continue
+            if depth > 0.2 * reach:
+                before[i] = min(before[i], depth)
+            elif depth < -0.2 * reach:
+                behind[i] = min(behind[i], -depth)
+    return before, behind

@@ -9,7 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import messy_meshes
 
-from scenewidget.engine.mesh import MAX_FAN, Mesh, MeshError, connected_components, face_adjacency, weld
+from scenewidget.engine.mesh import (
+    MAX_FAN,
+    Mesh,
+    MeshError,
+    connected_components,
+    face_adjacency,
+    unique_codes,
+    weld,
+)
 
 V = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]
 F = [[0, 1, 2]]
@@ -186,3 +194,11 @@ def test_bounds_leave_out_vertices_in_no_face():
     assert mesh.bounds.tolist() == [[0, 0, 0], [1, 2, 0]]
     with pytest.raises(ValueError, match="read-only"):
         mesh.is_used[3] = True
+
+
+@given(st.lists(st.integers(0, 30), min_size=1), st.integers(31, 500))
+def test_codes_are_counted_as_they_are_sorted(codes, end):
+    for found, expected in zip(
+        unique_codes(np.array(codes), end), np.unique(codes, return_inverse=True), strict=True
+    ):
+        np.testing.assert_array_equal(found, expected)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from strategies import messy_meshes
 
 from scenewidget.engine.mesh import Mesh
-from scenewidget.engine.moments import face_moments, mean_normals, moment_origin
+from scenewidget.engine.moments import face_moments, group_moments, mean_normals, moment_origin
 
 
 def whole(mesh):
@@ -63,6 +63,14 @@ def test_gathering_in_two_steps_is_gathering_at_once(mesh, data):
     steps = face_moments(mesh).gather(fine, 5).gather(coarse, 2)
     for a, b in zip((direct.area, direct.first, direct.second), (steps.area, steps.first, steps.second)):
         np.testing.assert_allclose(a, b, atol=1e-12)
+
+
+@given(messy_meshes(), st.data())
+def test_moments_of_groups_are_gathered_moments_of_faces(mesh, data):
+    group = np.array(data.draw(st.lists(st.integers(-1, 3), min_size=mesh.n_faces, max_size=mesh.n_faces)))
+    expected, found = face_moments(mesh).gather(group, 4), group_moments(mesh, group, 4)
+    for name in ("area", "first", "second"):
+        np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-9, atol=1e-12)
 
 
 @given(st.integers(0, 99))
