@@ -23,6 +23,7 @@ What is where; ``help(sw.segment)`` and so on tell the rest:
 ``export``, ``import_labels``           files that other programs read, out and in again
 ``evaluate``, ``metrics``               comparison with a truth
 ``agreement``, ``consensus``            what several people say of one scan: how far they agree, and on what
+``segment_all``                         many scans at once, on all cores or a Dask cluster
 ``baselines``                           methods of others, to compare with
 ``SceneWidget``, ``SceneView``          the widget, and its picture alone
 ``Compare``                             two segmentations of a scan beside each other
@@ -40,6 +41,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from scenewidget import baselines, datasets, editing, engine, exercises, figures, metrics
+    from scenewidget.batch.runs import segment_all
     from scenewidget.editing.formats import export, import_labels
     from scenewidget.editing.session import Session
     from scenewidget.engine.clouds import PointCloud
@@ -74,6 +76,7 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "Params": "engine.params",
     "Pipeline": "engine.pipeline",
     "segment": "engine.pipeline",
+    "segment_all": "batch.runs",
     "Compare": "widget.compare",
     "SceneView": "widget.scene_view",
     "SceneWidget": "widget.scene_widget",
@@ -111,6 +114,7 @@ __all__ = [
     "load_mesh",
     "metrics",
     "segment",
+    "segment_all",
 ]
 
 

@@ -10,7 +10,9 @@ import pytest
 import shapes
 
 import scenewidget as sw
-from scenewidget.command_line import main, segment
+from scenewidget.batch import job as job_module
+from scenewidget.batch.plan import FORMATS
+from scenewidget.command_line import main
 from scenewidget.engine.readers.sniff import MESHES
 
 FAST = ["--set", "n_segments=3", "--set", "n_runs=2", "--set", "n_graph_runs=2"]
@@ -84,21 +86,22 @@ def test_what_is_done_is_reused_and_what_changed_is_not(capsys, scans, tmp_path)
 
 
 def test_ctrl_c_leaves_whole_files_and_the_next_run_goes_on(capsys, scans, tmp_path, monkeypatch):
-    out, real = tmp_path / "out", segment._write
+    out, real = tmp_path / "out", job_module._write
 
-    def stopped(segmentation, params, stem, *rest):
-        written = real(segmentation, params, stem, *rest)
-        if "kitchen" in str(stem):
+    def stopped(segmentation, job, *rest):
+        written = real(segmentation, job, *rest)
+        if "kitchen" in job.scan:
             raise KeyboardInterrupt  # after its files, before its mark
         return written
 
-    monkeypatch.setattr(segment, "_write", stopped)
+    monkeypatch.setattr(job_module, "_write", stopped)
     (scans / "broken.off").unlink()
     code, found = rows(capsys, "segment", scans, "--out", out, *FAST)
     assert code == 130
     assert [row["scan"] for row in found] == ["bedroom/a.off"]
     left = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
-    assert left == {"bedroom/a.off/a.npz", "bedroom/a.off/row.json", "kitchen/a.off/a.npz"}
+    one = {f"bedroom/a.off/{name}" for name in ("a.npz", "picture.jpg", "row.json")}
+    assert left == one | {"kitchen/a.off/a.npz", "kitchen/a.off/picture.jpg"}
     monkeypatch.undo()
     assert statuses(capsys, scans, out) == (0, {"bedroom/a.off": "reused", "kitchen/a.off": "done"})
 
@@ -118,7 +121,7 @@ def test_a_real_ctrl_c_in_the_middle_of_a_scan(scans, tmp_path):
     assert "stopped after 2 of 3 scans" in run.stderr.read()
     assert run.wait() == 130
     left = sorted(path.name for path in (tmp_path / "out").rglob("*") if path.is_file())
-    assert left == ["a.npz", "a.npz", "row.json", "row.json"]
+    assert left == [name for name in ("a.npz", "picture.jpg", "row.json") for _ in "ab"]
 
 
 def test_a_project_that_was_corrected_stays(capsys, scans, tmp_path):
@@ -136,27 +139,27 @@ def test_a_project_that_was_corrected_stays(capsys, scans, tmp_path):
 
 
 def test_all_formats_stand_beside_each_other(capsys, scans, tmp_path):
-    formats = [word for name in segment.SUFFIXES if name != "parquet" for word in ("--format", name)]
+    formats = [word for name in FORMATS if name != "parquet" for word in ("--format", name)]
     scan, out = scans / "kitchen" / "a.off", tmp_path / "out"
     for seed in "01":
         assert statuses(capsys, scan, out, *formats, "--set", f"seed={seed}") == (0, {"a.off": "done"})
-    wanted = {f"a{s}" for name, every in segment.SUFFIXES.items() if name != "parquet" for s in every}
-    assert {path.name for path in (out / "a.off").iterdir()} == {*wanted, "row.json"}
+    wanted = {f"a{s}" for name, every in FORMATS.items() if name != "parquet" for s in every}
+    assert {path.name for path in (out / "a.off").iterdir()} == {*wanted, "picture.jpg", "row.json"}
 
 
 def test_a_scan_that_changes_meanwhile_is_not_called_done(capsys, scans, tmp_path, monkeypatch):
-    scan, real = scans / "kitchen" / "a.off", segment._segmented
+    scan, real = scans / "kitchen" / "a.off", job_module._segmented
 
     def changed(path, *rest):
         found = real(path, *rest)
         write(corner(3), path)
         return found
 
-    monkeypatch.setattr(segment, "_segmented", changed)
+    monkeypatch.setattr(job_module, "_segmented", changed)
     code, found = rows(capsys, "segment", scan, "--out", tmp_path / "out", *FAST)
     assert (code, found[0]["status"]) == (1, "failed")
     assert "changed while" in found[0]["error"]
-    assert not (tmp_path / "out" / "a.off").exists()
+    assert [path.name for path in (tmp_path / "out" / "a.off").iterdir()] == ["failed.json"]
 
 
 def test_progress_goes_to_stderr_and_the_table_to_stdout(capsys, scans, tmp_path):
@@ -173,7 +176,8 @@ def test_progress_goes_to_stderr_and_the_table_to_stdout(capsys, scans, tmp_path
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--workers", "2"], "one after the other"),
+        (["--workers", "-1"], "n_workers must be a whole number"),
+        (["--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "with client= leave it out"),
         (["--set", "n_segment=3"], "did you mean 'n_segments'"),
         (["--set", "n_segments"], "--set takes name=value, such as n_segments=30, got 'n_segments'"),
         (["--set", "n_segments=0"], "n_segments must lie in"),

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 
-EXTRAS = ("lab", "test", "robust")
+EXTRAS = ("lab", "batch", "test", "robust")
 FORBIDDEN = re.compile(
     r"\bA?L?GPL|GNU (Affero |Lesser |Library )?General Public|non-?commercial|\bCC[- ]BY[- ]NC|SSPL|BUSL",
     re.IGNORECASE,

@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import Any
 
 import scenewidget as sw
-from scenewidget.command_line.shared import add_output, labeled, mesh_of, read_labels, show, tell
+from scenewidget.batch.folders import labeled, mesh_of, read_labels
+from scenewidget.command_line.shared import add_output, show, tell
 from scenewidget.evaluation import METRICS
 
 __all__ = ["add_parser", "run"]

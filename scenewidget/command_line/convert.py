@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 import scenewidget as sw
-from scenewidget.command_line.shared import read_labels
+from scenewidget.batch.folders import read_labels
 from scenewidget.editing.formats.seal import write_files
 
 __all__ = ["add_parser", "run"]

@@ -21,6 +21,7 @@ from scenewidget.engine.mesh import (
     face_adjacency,
 )
 from scenewidget.engine.preprocess import filter_normals
+from scenewidget.engine.threads import n_threads
 
 __all__ = ["cut_segment"]
 
@@ -85,7 +86,7 @@ def _by_vote(group: IntArray, votes: BoolArray, weights: FloatArray) -> BoolArra
 def _divide(sub: Mesh, pairs: IntArray, inside: BoolArray, a: int, b: int) -> BoolArray:
     """(n_faces,) the side of b; meaningful in the piece that both are in."""
     pairs = pairs[inside[pairs[:, 0]]]
-    normals = filter_normals(sub, pairs, sweeps=10)
+    normals = filter_normals(sub, pairs, sweeps=10, n_threads=n_threads())
     lengths, turn = _edges(sub, pairs, normals)
     # distance along the surface, a turn of the normal being as far as some edges
     step = np.linalg.norm(sub.face_centroids[pairs[:, 0]] - sub.face_centroids[pairs[:, 1]], axis=1)

@@ -16,6 +16,7 @@ from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, MeshError, connected_components
+from scenewidget.engine.threads import n_threads
 
 __all__ = ["PointCloud"]
 
@@ -133,7 +134,7 @@ class PointCloud(Mesh):
         index = np.empty((self.n_faces, k), np.int32)
         distance = np.empty((self.n_faces, k), np.float32)
         for start in range(0, self.n_faces, STEP):
-            apart, found = tree.query(self.points[start : start + STEP], k=k + 1, workers=-1)
+            apart, found = tree.query(self.points[start : start + STEP], k=k + 1, workers=n_threads())
             index[start : start + STEP], distance[start : start + STEP] = found[:, 1:], apart[:, 1:]
         return index, distance
 

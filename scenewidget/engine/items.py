@@ -34,6 +34,7 @@ from scenewidget.engine.moments import Moments, group_moments, mean_normals, mom
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.preprocess import filter_normals, simplify
 from scenewidget.engine.scale import far_apart, geometric_order, scene_scale
+from scenewidget.engine.threads import n_threads
 
 __all__ = ["Items", "Touching", "find_bridges", "patch_items", "simplified_items", "superfacet_items"]
 
@@ -504,7 +505,7 @@ def _superfacets(
     """Of an island; areas and lengths in metres."""
     if sweeps == "auto":
         sweeps = sweeps_for(float(np.sqrt(2.0 * np.median(mesh.face_areas))) / scale)
-    normals = filter_normals(mesh, pairs, sweeps=sweeps, monitor=monitor)
+    normals = filter_normals(mesh, pairs, sweeps=sweeps, n_threads=n_threads(), monitor=monitor)
     monitor.tick(0.5)
     bridges = monitor.call(find_bridges, mesh, pairs, bridge)
     links = np.concatenate([pairs, bridges])
@@ -634,7 +635,7 @@ def _with_specks(mesh: Mesh, item: IntArray, reach: float) -> IntArray:
         return item
     targets = kept[:: max(1, len(kept) // 400_000)]  # a coarse look is enough at this distance
     distance, near = cKDTree(mesh.face_centroids[targets]).query(
-        mesh.face_centroids[lost], distance_upper_bound=reach, workers=-1
+        mesh.face_centroids[lost], distance_upper_bound=reach, workers=n_threads()
     )
     face_map = item.copy()
     face_map[lost] = np.where(np.isfinite(distance), np.append(item[targets], -1)[near], -1)
@@ -701,7 +702,7 @@ def _nearest_elsewhere(
     k = 4
     while len(asking):  # look among more and more neighbours until one belongs elsewhere
         k = min(k, len(points))
-        distance, near = tree.query(points[asking], k=k, distance_upper_bound=reach, workers=-1)
+        distance, near = tree.query(points[asking], k=k, distance_upper_bound=reach, workers=n_threads())
         distance, near = distance.reshape(len(asking), -1), near.reshape(len(asking), -1)
         is_other = np.isfinite(distance)
         is_other &= np.append(home, -1)[np.minimum(near, len(points))] != home[asking][:, None]

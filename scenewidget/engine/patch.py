@@ -13,6 +13,7 @@ import numpy as np
 
 from scenewidget.engine.mesh import BoolArray, IntArray, Mesh, connected_components, face_adjacency
 from scenewidget.engine.preprocess import filter_normals
+from scenewidget.engine.threads import n_threads
 
 __all__ = ["reached_faces"]
 
@@ -91,7 +92,7 @@ def reached_faces(
 
 def _is_concave(mesh: Mesh, pairs: IntArray, crease: float) -> BoolArray:
     """(n_pairs,) whether the surface turns inwards by more than so many degrees between two faces."""
-    normals = filter_normals(mesh, pairs, sweeps=SWEEPS)
+    normals = filter_normals(mesh, pairs, sweeps=SWEEPS, n_threads=n_threads())
     i, j = pairs.T
     cosine = np.einsum("ij,ij->i", normals[i], normals[j])
     apart = mesh.face_centroids[j] - mesh.face_centroids[i]

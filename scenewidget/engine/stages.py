@@ -7,7 +7,6 @@ table in the same order, each a call or two of the module that has its idea.
 from __future__ import annotations
 
 import dataclasses
-import os
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -57,6 +56,7 @@ from scenewidget.engine.operators import Eigenbasis, eigenbasis
 from scenewidget.engine.orientation import Orientation, oriented, warn_of_mixed_winding
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation, segmentation_of_items
+from scenewidget.engine.threads import n_threads
 
 __all__ = ["TITLES", "Stage", "stages"]
 
@@ -323,7 +323,7 @@ def _distances(
             hop=hop,
         )
         factor = MinPlusFactor(weight_graph(items.n, items.pairs, weights))
-        out.append(factor.rows(np.arange(items.n), n_threads=_n_threads(), monitor=monitor))
+        out.append(factor.rows(np.arange(items.n), n_threads=n_threads(), monitor=monitor))
     return tuple(out)
 
 
@@ -339,7 +339,7 @@ def _graph_runs(
         cost_exponent=exponent,
         hop=hop,
         seed=seed,
-        n_threads=_n_threads(),
+        n_threads=n_threads(),
         monitor=monitor,
     )
 
@@ -372,7 +372,7 @@ def _ensemble(
             ties=ties,
             merge=None if merge is None else dict(zip(("flatness", "normal", "seam"), merge)),
             seed=seed,
-            n_threads=_n_threads(),
+            n_threads=n_threads(),
             monitor=monitor,
         )
         keys.insert(0, runs)
@@ -384,7 +384,7 @@ def _ensemble(
 
 
 def _coassociation(items: Items, keys: IntArray, *, monitor: Monitor) -> CoAssociation:
-    return co_association(keys, items.areas, n_threads=_n_threads())
+    return co_association(keys, items.areas, n_threads=n_threads())
 
 
 def _tree(co: CoAssociation, *, monitor: Monitor) -> FloatArray:
@@ -439,7 +439,7 @@ def _finish(
         consensus,
         furniture=furniture,
         **tidy,
-        n_threads=_n_threads(),
+        n_threads=n_threads(),
         recall=recall,
         monitor=monitor,
     )
@@ -477,7 +477,7 @@ def _family(
     """The family that runs through the segmentation, seen from its cut into ``through`` segments."""
     fine = fine_pieces(items, co, tree)
     fine = tidied(
-        items, fine, min_area=min_area, **tidy, n_threads=_n_threads(), recall=recall, monitor=monitor
+        items, fine, min_area=min_area, **tidy, n_threads=n_threads(), recall=recall, monitor=monitor
     )
     family = make_family(segmentation, fine, co, min_area=min_area)
     if through is None:
@@ -487,10 +487,3 @@ def _family(
 
 def _granularity(family: Family, *, monitor: Monitor, n_segments: int) -> Segmentation:
     return family.cut(min(max(n_segments, family.least), family.most))
-
-
-def _n_threads() -> int:
-    """Cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

@@ -1,0 +1,123 @@
+"""Which labels lie in a folder, which scan they are of, and how they are read.
+
+Files belong together by their names: ``out/kitchen/a.ply/a.npz``, ``ann/kitchen/a.npz`` and
+``truth/kitchen/a.xml`` are all of the scan ``kitchen/a``.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from scenewidget.batch.places import is_hidden, scans_in
+from scenewidget.batch.rows import ROW, read_row
+from scenewidget.editing.formats import import_labels
+from scenewidget.editing.session import Session
+from scenewidget.engine.mesh import Mesh
+from scenewidget.engine.readers import load
+from scenewidget.engine.segmentation import Segmentation
+
+__all__ = ["LABELS", "Labeled", "labeled", "mesh_of", "named_alike", "read_labels"]
+
+LABELS = (  # of several files of one scan the first is read: a project may hold corrections
+    ".swproj", ".npz", ".npy", ".aggregation.json", ".xml", ".ply", ".glb", ".txt", ".label",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Labeled:
+    """Labels of a scan in a file."""
+
+    path: Path
+    source: str = ""  # where the scan lay when they were made, "" if nobody knows
+
+
+def labeled(path: Path) -> dict[str, Labeled]:
+    """Files of labels in a folder, name of the scan without its suffix -> file; "" -> the file if it is one.
+
+    A folder that ``scenewidget segment`` wrote is read by its rows, any other by the names of its files.
+
+    Raises
+    ------
+    ValueError
+        No such path, or no labels there.
+    """
+    if path.is_file():
+        return {"": Labeled(path)}
+    if not path.is_dir():
+        raise ValueError(f"{str(path)!r} does not exist; give a folder of labels, or one file")
+    found: dict[str, Labeled] = {}
+    rows = {row.parent: content for row in sorted(path.rglob(ROW)) if (content := read_row(row)) is not None}
+    for folder, row in rows.items():
+        files = [folder / name for name in row.get("files", {})]
+        best = min((f for f in files if _rank(f) < len(LABELS) and f.exists()), key=_rank, default=None)
+        if best is not None:
+            name = str(Path(row["scan"]).with_suffix("").as_posix())
+            found[row["scan"] if name in found else name] = Labeled(best, str(row.get("source", "")))
+    for file in sorted((p for p in path.rglob("*") if _rank(p) < len(LABELS) and p.is_file()), key=_rank):
+        inside = file.relative_to(path)
+        if not any(parent in rows for parent in file.parents) and not is_hidden(inside):
+            name = inside.as_posix()[: -len(LABELS[_rank(file)])]
+            found.setdefault(name, Labeled(file))
+    if not found:
+        raise ValueError(f"no labels in {str(path)!r}; looked for files that end in {', '.join(LABELS)}")
+    return dict(sorted(found.items()))
+
+
+def mesh_of(name: str, scans: Path | None, labels: Iterable[Labeled]) -> Mesh:
+    """The scan that some labels are of: from ``scans``, from where it lay, or out of the labels' own file.
+
+    Raises
+    ------
+    ValueError
+        It is nowhere; the message says what to give.
+    """
+    labels = list(labels)
+    if scans is not None:
+        if scans.is_file():
+            return load(scans)
+        for scan, found in scans_in(scans).items():
+            if name in (scan, str(Path(scan).with_suffix("").as_posix())):
+                return load(found.path)
+        raise ValueError(f"{str(scans)!r} holds no scan {name!r}")
+    for one in labels:
+        if one.source and Path(one.source).exists():
+            return load(one.source)
+    for one in labels:
+        file = one.path.with_suffix(".ply") if one.path.suffix.lower() == ".xml" else one.path
+        if file.suffix.lower() in (".ply", ".glb") and file.exists():
+            return load(file)
+    raise ValueError("nobody knows which scan these labels are of; give the folder of scans by --scans")
+
+
+def read_labels(path: Path, mesh: Mesh | None) -> Segmentation:
+    """Labels of a file on a mesh; of a project as it stands after the last edit, the file left as it is."""
+    if path.suffix.lower() == ".swproj":
+        with (
+            tempfile.TemporaryDirectory() as copies,  # opening a project writes that into it
+            Session.open(shutil.copy(path, copies), mesh) as session,
+        ):
+            return session.segmentation
+    if mesh is None:
+        raise ValueError(f"{path.name!r} holds labels only; give the scan that they are of")
+    return import_labels(mesh, path)
+
+
+def _rank(path: Path) -> int:
+    name = path.name.lower()
+    return next((k for k, suffix in enumerate(LABELS) if name.endswith(suffix)), len(LABELS))
+
+
+def named_alike(scan: str, names: Mapping[str, object]) -> str | None:
+    """Under which of some names a scan stands: its own, or that without its suffix; None if under neither.
+
+    Examples
+    --------
+    >>> named_alike("kitchen/a.ply", {"kitchen/a": 1})
+    'kitchen/a'
+    """
+    bare = Path(scan).with_suffix("").as_posix()
+    return next((name for name in (scan, bare) if name in names), None)

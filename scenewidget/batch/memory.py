@@ -1,0 +1,65 @@
+"""How much memory a scan takes: expected before, measured after."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from pathlib import Path
+
+__all__ = ["peak", "reset_peak", "what_it_takes"]
+
+AT_LEAST = 600_000_000  # bytes of a process that has loaded everything
+A_FACE, A_FACE_JUDGED = 550, 1000  # bytes, without and with a truth to compare with
+
+
+def what_it_takes(n_faces: int, *, is_judged: bool = False) -> int:
+    """Bytes that segmenting so many faces takes at its peak, with some room to spare.
+
+    Measured on scans of up to 11 million faces.
+
+    Parameters
+    ----------
+    n_faces : int
+    is_judged : bool
+        Whether the result is compared with a truth.
+
+    Examples
+    --------
+    >>> what_it_takes(10_000_000) / 1e9
+    6.1
+    """
+    return AT_LEAST + (A_FACE_JUDGED if is_judged else A_FACE) * n_faces
+
+
+def reset_peak() -> None:
+    """Begin to measure anew, where the system can do that; elsewhere the peak is that of the whole process.
+
+    Examples
+    --------
+    >>> reset_peak()
+    """
+    with contextlib.suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def peak() -> int | None:
+    """Most bytes that this process has held since `reset_peak`; None where nobody can tell.
+
+    Examples
+    --------
+    >>> peak() is None or peak() > 1_000_000
+    True
+    """
+    with contextlib.suppress(OSError, ValueError, IndexError):
+        text = Path("/proc/self/status").read_text()
+        return int(text.partition("VmHWM:")[2].split()[0]) * 1024
+    with contextlib.suppress(ImportError):
+        import resource
+
+        most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        return int(most) * (1 if sys.platform == "darwin" else 1024)
+    with contextlib.suppress(ImportError, AttributeError):
+        import psutil
+
+        return int(psutil.Process().memory_info().peak_wset)
+    return None

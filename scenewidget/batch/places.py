@@ -1,0 +1,407 @@
+"""Where scans lie and where results go: folders of this machine, or URLs of stores such as S3.
+
+What lies at a URL is fetched to a temporary file before it is read, and results are made in a temporary
+folder before they are sent; fsspec, which comes with Dask, knows the stores.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from scenewidget.editing.files import explain, replacing
+from scenewidget.engine.readers.sniff import MESHES
+
+__all__ = [
+    "SCANS",
+    "LocalFolder",
+    "RemoteFolder",
+    "Scan",
+    "folder_at",
+    "is_hidden",
+    "is_url",
+    "join",
+    "local_copy",
+    "referred",
+    "scans_in",
+]
+
+SCANS = tuple(f".{kind}" for kind in (*MESHES, "pcd", "las", "laz", "e57", "xyz", "pts"))
+LISTED = 64_000  # bytes at the beginning of an OBJ in which it names its materials
+
+
+@dataclass(frozen=True)
+class Scan:
+    """A file that holds a scan.
+
+    Attributes
+    ----------
+    path : str
+        Absolute path, or URL.
+    size : int
+        Bytes.
+    """
+
+    path: str
+    size: int
+
+
+def is_url(path: object) -> bool:
+    """Whether a path is a URL of some store; ``file://`` is no other than a path.
+
+    Examples
+    --------
+    >>> is_url("s3://scans/kitchen"), is_url("scans/kitchen")
+    (True, False)
+    """
+    return isinstance(path, str) and re.match(r"[a-z][a-z0-9+.-]+://", path, re.IGNORECASE) is not None
+
+
+def is_hidden(path: Path | PurePosixPath) -> bool:
+    """Whether a part of a path begins with a dot.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> is_hidden(Path("a/.cache/b.ply")), is_hidden(Path("a/b.ply"))
+    (True, False)
+    """
+    return any(part.startswith(".") and part != ".." for part in path.parts)
+
+
+def join(folder: str, name: str) -> str:
+    """A path below a folder or URL.
+
+    Examples
+    --------
+    >>> join("s3://scans/out/", "kitchen/a.ply")
+    's3://scans/out/kitchen/a.ply'
+    """
+    return f"{folder.rstrip('/')}/{name}" if is_url(folder) else str(Path(folder) / name)
+
+
+# --- scans ----------------------------------------------------------------------------------------
+
+
+def scans_in(scans: Any) -> dict[str, Scan]:
+    """Scans among files and in folders, also in those below, by name.
+
+    Parameters
+    ----------
+    scans : path, URL, or sequence of them
+        Folders (with all below; links are followed), files, or patterns such as ``"scans/*.ply"``.
+
+    Returns
+    -------
+    scans : dict of str to Scan
+        The name is the path relative to the folder that was given, or that holds all that were given.
+
+    Raises
+    ------
+    TypeError
+        Something that is no path.
+    ValueError
+        No such path, no scan there, two of one name, or a store that can't be reached.
+    PermissionError
+        A folder that can't be read.
+
+    Examples
+    --------
+    >>> scans_in("no/such/folder")
+    Traceback (most recent call last):
+        ...
+    ValueError: 'no/such/folder' does not exist; give files, folders or a pattern such as 'scans/*.ply'
+    """
+    given = [scans] if isinstance(scans, str | os.PathLike) else scans
+    given = list(given) if isinstance(given, Iterable) else [given]
+    strange = [path for path in given if not isinstance(path, str | os.PathLike)]
+    if strange:
+        raise TypeError(
+            "scans must be a folder, a pattern, or a list of paths or URLs, "
+            f"got {type(scans if len(given) == 1 else strange[0]).__name__}"
+        )
+    if not given:
+        raise ValueError("scans is empty: give a folder, a pattern such as 'scans/*.ply', or a list of files")
+    given = [path.removeprefix("file://") if isinstance(path, str) else path for path in given]
+    urls = [str(path) for path in given if is_url(path)]
+    found = _local([Path(path) for path in given if not is_url(path)]) if len(urls) < len(given) else {}
+    for url in urls:
+        for name, scan in _remote(url).items():
+            if found.setdefault(name, scan) != scan:
+                raise ValueError(f"two scans are called {name!r}: {found[name].path} and {scan.path}")
+    if not found:
+        listed = ", ".join(SCANS)
+        raise ValueError(f"no scans in {', '.join(map(str, given))}; looked for files that end in {listed}")
+    return dict(sorted(found.items()))
+
+
+def _local(paths: Sequence[Path]) -> dict[str, Scan]:
+    found: set[Path] = set()
+    for path in paths:
+        if path.is_dir():
+            files = (file for file in _files_below(path) if file.suffix.lower() in SCANS)
+            found |= {file.absolute() for file in files if not is_hidden(file.relative_to(path))}
+        elif path.exists():
+            found.add(path.absolute())
+        elif any(sign in str(path) for sign in "*?["):
+            base = Path(path.anchor)
+            found |= {p.absolute() for p in base.glob(str(path.relative_to(base))) if p.is_file()}
+        else:
+            raise ValueError(
+                f"{str(path)!r} does not exist; give files, folders or a pattern such as 'scans/*.ply'"
+            )
+    if not found:
+        return {}
+    absolute = sorted(found)
+    root = paths[0].absolute() if len(paths) == 1 and paths[0].is_dir() else _common_folder(absolute)
+    return {p.relative_to(root).as_posix(): Scan(str(p), p.stat().st_size) for p in absolute}
+
+
+def _files_below(folder: Path) -> Iterator[Path]:
+    def refuse(error: OSError) -> None:
+        raise PermissionError(
+            error.errno,
+            f"{error.filename!r} can't be read: {error.strerror}; change that, or give the folders beside it",
+        ) from error
+
+    seen: set[str] = set()
+    for here, folders, files in os.walk(folder, onerror=refuse, followlinks=True):
+        place = os.path.realpath(here)
+        if place in seen:  # a link to a folder above
+            folders.clear()
+            continue
+        seen.add(place)
+        yield from (Path(here) / name for name in files)
+
+
+def _common_folder(paths: Sequence[Path]) -> Path:
+    folder = paths[0].parent
+    while not all(path.is_relative_to(folder) for path in paths):
+        folder = folder.parent
+    return folder
+
+
+def _remote(url: str) -> dict[str, Scan]:
+    fs, root = _store(url)
+    try:
+        is_pattern = any(sign in root for sign in "*?[")
+        listing = fs.glob(root, detail=True) if is_pattern else fs.find(root, detail=True)
+    except Exception as error:  # every store has kinds of its own
+        raise ValueError(f"{url!r} can't be listed: {error}") from error
+    files = {p: d for p, d in listing.items() if d.get("type") == "file"}
+    if is_pattern or list(files) == [root]:
+        root = os.path.commonpath([str(PurePosixPath(path).parent) for path in files]) if files else ""
+    found = {}
+    for path, details in files.items():
+        name = PurePosixPath(path.removeprefix(root).lstrip("/"))
+        if name.suffix.lower() in SCANS and not is_hidden(name):
+            found[str(name)] = Scan(fs.unstrip_protocol(path), int(details.get("size") or 0))
+    return found
+
+
+def _store(url: str) -> tuple[Any, str]:
+    try:
+        import fsspec.core
+    except ImportError as error:
+        raise ValueError(f'{url!r} is a URL, which wants fsspec: pip install "scenewidget[batch]"') from error
+    try:
+        fs, path = fsspec.core.url_to_fs(url)
+    except (ImportError, ValueError, OSError) as error:
+        raise ValueError(f"{url!r} can't be opened: {error}") from error
+    return fs, path
+
+
+# --- files that belong to a scan ------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def local_copy(path: str) -> Iterator[Path]:
+    """A file of this machine for the length of a block: itself, or fetched with what it refers to.
+
+    Examples
+    --------
+    >>> with local_copy("scans/a.ply") as path:
+    ...     path.name
+    'a.ply'
+    """
+    if not is_url(path):
+        yield Path(path)
+        return
+    fs, remote = _store(path)
+    folder = PurePosixPath(remote).parent
+    with tempfile.TemporaryDirectory(prefix="scenewidget-") as temporary:
+        copy = Path(temporary) / PurePosixPath(remote).name
+        fs.get_file(remote, str(copy))
+        waiting = referred(copy)
+        while waiting:
+            name = waiting.pop()
+            target = Path(temporary) / name
+            if not target.exists() and fs.exists(str(folder / name)):
+                target.parent.mkdir(parents=True, exist_ok=True)
+                fs.get_file(str(folder / name), str(target))
+                waiting += referred(target)
+        yield copy
+
+
+def referred(path: Path) -> list[str]:
+    """Files that a scan names: buffers and pictures of glTF, materials of OBJ and their pictures.
+
+    Only names below the scan's own folder count.
+
+    Examples
+    --------
+    >>> referred(Path("scans/a.ply"))
+    []
+    """
+    kind = path.suffix.lower()
+    names: list[str] = []
+    if kind == ".gltf":
+        with contextlib.suppress(ValueError, AttributeError, TypeError):
+            content = json.loads(path.read_text(encoding="utf-8"))
+            entries = [*content.get("buffers", ()), *content.get("images", ())]
+            names = [str(e["uri"]) for e in entries if not str(e.get("uri", "data:")).startswith("data:")]
+    elif kind in (".obj", ".mtl"):
+        with path.open("rb") as file:
+            text = file.read(LISTED).decode("utf-8", "replace")
+        pattern = r"^\s*mtllib\s+(.+?)\s*$" if kind == ".obj" else r"^\s*map_\w+\s+(?:.*\s)?(\S+)\s*$"
+        names = re.findall(pattern, text, re.MULTILINE)
+    inside = [
+        name
+        for name in names
+        if not PurePosixPath(name).is_absolute() and ".." not in PurePosixPath(name).parts
+    ]
+    return list(dict.fromkeys(inside))
+
+
+# --- folders of results ---------------------------------------------------------------------------
+
+
+class LocalFolder:
+    """The folder of one scan's results on this machine.
+
+    Parameters
+    ----------
+    path : path
+        Made when something is written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     folder = LocalFolder(place)
+    ...     folder.write("row.json", "{}")
+    ...     folder.read("row.json"), folder.read("none.json")
+    ('{}', None)
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+
+    def read(self, name: str) -> str | None:
+        """The text of a file; None if it isn't there."""
+        try:
+            return (self.path / name).read_text(encoding="utf-8", errors="replace")
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+
+    def mark(self, name: str) -> list[Any] | None:
+        """By which a file is known again, size and time; None if it isn't there."""
+        try:
+            found = (self.path / name).stat()
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+        return [found.st_size, found.st_mtime_ns]
+
+    def write(self, name: str, text: str) -> None:
+        """Write a small file, whole or not at all."""
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise explain(error, self.path) from error
+        with replacing(self.path / name) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+
+    def remove(self, name: str) -> None:
+        """Remove a file if it is there."""
+        with contextlib.suppress(NotADirectoryError):
+            (self.path / name).unlink(missing_ok=True)
+
+    def sweep(self) -> None:
+        """Remove what a process that was killed has left half written."""
+        for path in self.path.glob(".*.tmp"):
+            with contextlib.suppress(OSError):
+                path.unlink()
+
+    @contextlib.contextmanager
+    def writing(self) -> Iterator[Path]:
+        """A folder to write files into; they are at their place when the block ends well."""
+        self.path.mkdir(parents=True, exist_ok=True)
+        yield self.path
+
+
+class RemoteFolder:
+    """The folder of one scan's results in a store; as `LocalFolder`.
+
+    Parameters
+    ----------
+    url : str
+    """
+
+    def __init__(self, url: str) -> None:
+        self._fs, self._path = _store(url)
+
+    def read(self, name: str) -> str | None:
+        """The text of a file; None if it isn't there."""
+        try:
+            return str(self._fs.cat_file(f"{self._path}/{name}").decode("utf-8", "replace"))
+        except FileNotFoundError:
+            return None
+
+    def mark(self, name: str) -> list[Any] | None:
+        """By which a file is known again, size and the store's own mark; None if it isn't there."""
+        try:
+            details = self._fs.info(f"{self._path}/{name}")
+        except FileNotFoundError:
+            return None
+        return [details.get("size"), self._fs.ukey(f"{self._path}/{name}")]
+
+    def write(self, name: str, text: str) -> None:
+        """Write a small file."""
+        self._fs.makedirs(self._path, exist_ok=True)
+        self._fs.pipe_file(f"{self._path}/{name}", text.encode("utf-8"))
+
+    def remove(self, name: str) -> None:
+        """Remove a file if it is there."""
+        with contextlib.suppress(FileNotFoundError):
+            self._fs.rm_file(f"{self._path}/{name}")
+
+    def sweep(self) -> None:
+        """Nothing: files are sent only once they are whole."""
+
+    @contextlib.contextmanager
+    def writing(self) -> Iterator[Path]:
+        """A temporary folder to write files into; they are sent when the block ends well."""
+        with tempfile.TemporaryDirectory(prefix="scenewidget-") as temporary:
+            yield Path(temporary)
+            self._fs.makedirs(self._path, exist_ok=True)
+            for file in sorted(Path(temporary).iterdir()):
+                if file.is_file() and not file.name.startswith(".") and not file.name.endswith(".lock"):
+                    self._fs.put_file(str(file), f"{self._path}/{file.name}")
+
+
+def folder_at(path: str) -> LocalFolder | RemoteFolder:
+    """The folder of results at a path or URL.
+
+    Examples
+    --------
+    >>> type(folder_at("out/a.ply")).__name__
+    'LocalFolder'
+    """
+    return RemoteFolder(path) if is_url(path) else LocalFolder(path)

@@ -1,0 +1,468 @@
+"""Who does the jobs: this process, one after the other, or the workers of a Dask cluster.
+
+Nothing of a scheduler is written here. A cluster of our own is Dask's scheduler in this process and its
+worker command as processes beside it, so that a script needs no guard around its main part; any other
+cluster is used as it is.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import os
+import queue
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import uuid
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol
+
+from scenewidget.batch.job import run_job
+from scenewidget.batch.plan import Job
+from scenewidget.engine.threads import KNOB, n_threads
+
+__all__ = ["DaskPool", "InProcess", "OwnWorkers", "Pool", "check_where", "on_worker", "open_pool"]
+
+Row = dict[str, Any]
+ROOM = (
+    2_000_000_000  # bytes of memory for each of our own workers, where nobody says how many there should be
+)
+SHARE = 0.9  # of the memory is for workers
+RESTARTS = 20  # of the command that keeps our workers, before we give up
+TOPIC = "scenewidget"
+ANSWER = 10.0  # seconds for a scheduler to say that it is there
+
+
+class Pool(Protocol):
+    """Does jobs. A row comes back for each, or None where the process that did it has died."""
+
+    is_parallel: bool  # whether several jobs are done at a time
+
+    @property
+    def window(self) -> int:
+        """So many jobs may wait or run at a time."""
+        ...
+
+    def submit(self, job: Job) -> None:
+        """Begin a job."""
+        ...
+
+    def collect(self, seconds: float) -> list[tuple[Job, Row | None]]:
+        """What has ended, after at most so many seconds."""
+        ...
+
+    def enlarge(self) -> bool:
+        """Give one job all the memory there is; False if that can't be done or is so already."""
+        ...
+
+    def foretold(self) -> dict[str, Row]:
+        """What jobs told of themselves once they had read their scan."""
+        ...
+
+    def close(self) -> None:
+        """Let go; what is being done is abandoned."""
+        ...
+
+
+class InProcess:
+    """Does jobs in this process, one after the other; needs no Dask.
+
+    Parameters
+    ----------
+    tell : callable (line), optional
+        Hears every step of every scan.
+
+    Examples
+    --------
+    >>> from scenewidget.batch.plan import Job
+    >>> from scenewidget.engine.params import Params
+    >>> pool = InProcess()
+    >>> pool.submit(Job("a.ply", "no/such/a.ply", "no/such/out", Params()))
+    >>> [(job.scan, row["status"]) for job, row in pool.collect(0.0)]
+    [('a.ply', 'failed')]
+    """
+
+    is_parallel = False
+    window = 1
+
+    def __init__(self, tell: Callable[[str], None] | None = None) -> None:
+        self._tell = tell
+        self._ended: list[tuple[Job, Row | None]] = []
+
+    def submit(self, job: Job) -> None:
+        """Do a job."""
+        self._ended.append((job, run_job(job, tell=self._tell)))
+
+    def collect(self, seconds: float) -> list[tuple[Job, Row | None]]:
+        """What has been done; ``seconds`` are not needed."""
+        ended, self._ended = self._ended, []
+        return ended
+
+    def enlarge(self) -> bool:
+        """Nothing to enlarge."""
+        return False
+
+    def foretold(self) -> dict[str, Row]:
+        """Nothing: who dies here tells no more."""
+        return {}
+
+    def close(self) -> None:
+        """Nothing to let go."""
+
+
+def on_worker(job: Job) -> Row:
+    """Do a job in the process of a Dask worker, within its memory.
+
+    Parameters
+    ----------
+    job : Job
+
+    Examples
+    --------
+    >>> from scenewidget.batch.plan import Job
+    >>> from scenewidget.engine.params import Params
+    >>> on_worker(Job("a.ply", "no/such/a.ply", "no/such/out", Params()))["status"]
+    'failed'
+    """
+    from distributed import get_worker
+
+    try:
+        worker = get_worker()
+    except ValueError:  # not in one
+        return run_job(job)
+    os.environ.setdefault(KNOB, "1")  # a worker has as many threads as it does jobs
+    limit = worker.memory_manager.memory_limit
+    return run_job(
+        job,
+        limit=None if limit is None else int(limit) // max(1, worker.state.nthreads),
+        foretell=lambda known: worker.log_event(TOPIC, known),
+    )
+
+
+class DaskPool:
+    """Does jobs on the workers of a Dask cluster.
+
+    Parameters
+    ----------
+    client : distributed.Client
+    workers : OwnWorkers, optional
+        Ours to stop, restart and enlarge.
+    task : callable (job) -> row
+        What a worker does.
+    """
+
+    is_parallel = True
+
+    def __init__(
+        self, client: Any, workers: OwnWorkers | None = None, *, task: Callable[[Any], Row] = on_worker
+    ) -> None:
+        self._client = client
+        self._workers = workers
+        self._task = task
+        self._run = uuid.uuid4().hex[:8]
+        self._n_begun = 0
+        self._running: dict[str, tuple[Job, Any]] = {}
+        self._ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._asked = (-1e9, 1)
+
+    @property
+    def window(self) -> int:
+        """Twice the threads that there are now; at least 1, or a cluster that grows on demand never would."""
+        when, n = self._asked
+        if time.monotonic() > when + 1:
+            n = sum(self._client.nthreads().values())
+            self._asked = (time.monotonic(), n)
+        return max(1, 2 * n)
+
+    def submit(self, job: Job) -> None:
+        """Hand a job to the scheduler."""
+        self._n_begun += 1
+        key = f"segment-{self._run}-{self._n_begun}-{job.scan}"
+        future = self._client.submit(self._task, job, key=key, pure=False)
+        self._running[future.key] = (job, future)
+        future.add_done_callback(self._ended.put)
+
+    def collect(self, seconds: float) -> list[tuple[Job, Row | None]]:
+        """What has ended; raises ConnectionError if the scheduler is gone."""
+        found = []
+        with contextlib.suppress(queue.Empty):
+            found.append(self._ended.get(timeout=seconds))
+            while True:
+                found.append(self._ended.get_nowait())
+        if not found:
+            if self._client.status not in ("running", "connecting"):
+                raise ConnectionError(_gone(self._client))
+            if self._workers is not None:
+                self._workers.keep()
+        return [self._outcome(future) for future in found if future.key in self._running]
+
+    def _outcome(self, future: Any) -> tuple[Job, Row | None]:
+        from distributed import KilledWorker
+
+        job, _ = self._running.pop(future.key)
+        try:
+            row = future.result(timeout=60)
+        except KilledWorker:
+            return job, None
+        except Exception as error:
+            if future.status in ("cancelled", "lost"):
+                raise ConnectionError(_gone(self._client)) from error
+            row = {"scan": job.scan, "status": "failed", "error": f"{type(error).__name__}: {error}"}
+        return job, row
+
+    def enlarge(self) -> bool:
+        """One worker with all the memory, if they are ours."""
+        return self._workers is not None and self._workers.start_one()
+
+    def foretold(self) -> dict[str, Row]:
+        """What workers logged of the scans that they read."""
+        return {row["scan"]: row for _, row in self._client.get_events(TOPIC)}
+
+    def close(self) -> None:
+        """Cancel what runs, sweep up after it, and stop the workers if they are ours."""
+        left = list(self._running.values())
+        with contextlib.suppress(Exception):  # the scheduler may be gone
+            self._client.cancel([future for _, future in left], force=True)
+        self._running.clear()
+        if self._workers is not None:
+            self._workers.stop()
+            from scenewidget.batch.places import folder_at
+
+            for job, _ in left:
+                folder_at(job.folder).sweep()
+
+
+class OwnWorkers:
+    """Worker processes on this machine, one job each at a time, that nobody has to set up.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler.
+    n : int
+        Workers; they share memory and cores evenly.
+    """
+
+    def __init__(self, address: str, n: int) -> None:
+        self.n = n
+        self._address = address
+        self._folder = Path(tempfile.mkdtemp(prefix="scenewidget-workers-"))
+        self._process: subprocess.Popen[bytes] | None = None
+        self._n_started = 0
+
+    def start(self) -> None:
+        """Start them; returns at once."""
+        from distributed.system import MEMORY_LIMIT
+
+        self._n_started += 1
+        memory = DASK_MEMORY | {
+            KNOB: str(max(1, n_threads() // self.n)),
+            "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
+        }
+        command = [
+            sys.executable, "-m", "distributed.cli.dask_worker", self._address,
+            "--nworkers", str(self.n), "--nthreads", "1", "--no-dashboard",
+            "--memory-limit", str(int(SHARE * MEMORY_LIMIT / self.n)),
+            "--local-directory", str(self._folder), "--death-timeout", "60",
+        ]  # fmt: skip
+        with (self._folder / "log.txt").open("ab") as log:
+            self._process = subprocess.Popen(
+                command,
+                stdout=log,
+                stderr=log,
+                stdin=subprocess.DEVNULL,
+                env=os.environ | memory,
+                start_new_session=True,  # Ctrl-C is for us alone
+            )
+
+    def start_one(self) -> bool:
+        """One worker with all the memory instead; False if it is so already."""
+        if self.n == 1:
+            return False
+        self._end()
+        self.n = 1
+        self.start()
+        return True
+
+    def keep(self) -> None:
+        """Start them again if somebody has ended the command that keeps them.
+
+        Raises
+        ------
+        RuntimeError
+            They end again and again; the message has the last they said.
+        """
+        if self._process is None or self._process.poll() is None:
+            return
+        if self._n_started > RESTARTS:
+            said = (self._folder / "log.txt").read_text(errors="replace").strip()[-600:]
+            raise RuntimeError(
+                f"workers end as soon as they are started; the last they said: {said or 'nothing'}"
+            )
+        self.start()
+
+    def stop(self) -> None:
+        """End them, whatever they do, and remove what they leave."""
+        self._end()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _end(self) -> None:
+        import psutil
+
+        process, self._process = self._process, None
+        if process is None:
+            return
+        try:
+            all_of_them = [*psutil.Process(process.pid).children(recursive=True), psutil.Process(process.pid)]
+        except psutil.NoSuchProcess:
+            all_of_them = []
+        for one in reversed(all_of_them):  # the keeper first, or it would start others
+            with contextlib.suppress(psutil.Error):
+                one.kill()
+        process.wait()
+
+
+DASK_MEMORY = {  # a worker that is too large is ended; none is put on hold, which might be for good
+    "DASK_DISTRIBUTED__WORKER__MEMORY__TARGET": "False",
+    "DASK_DISTRIBUTED__WORKER__MEMORY__SPILL": "False",
+    "DASK_DISTRIBUTED__WORKER__MEMORY__PAUSE": "False",
+    "DASK_DISTRIBUTED__WORKER__MEMORY__TERMINATE": "0.95",
+    "DASK_DISTRIBUTED__LOGGING__DISTRIBUTED": "warning",
+}
+
+
+@contextlib.contextmanager
+def open_pool(
+    client: Any = None,
+    n_workers: int | None = None,
+    *,
+    tell: Callable[[str], None] | None = None,
+    task: Callable[[Any], Row] = on_worker,
+) -> Any:
+    """A pool for the length of a block.
+
+    Parameters
+    ----------
+    client : distributed.Client, cluster or address, optional
+        By default workers of our own.
+    n_workers : int, optional
+        How many; 0 stays in this process. By default as many as there are cores, and 2 GB of memory for each.
+    tell : callable (line), optional
+        Hears every step, where the work is done in this process.
+    task : callable (job) -> row
+        What a worker does.
+
+    Raises
+    ------
+    ImportError
+        Dask isn't there.
+    TypeError, ValueError
+        Arguments that can't be.
+    ConnectionError
+        No scheduler answers.
+
+    Examples
+    --------
+    >>> with open_pool(n_workers=0) as pool:
+    ...     pool.window
+    1
+    """
+    check_where(client, n_workers)
+    if client is None and n_workers == 0:
+        yield InProcess(tell)
+        return
+    with contextlib.ExitStack() as stack:
+        if client is None:
+            pool = _own_pool(n_workers, task, stack)
+        else:
+            pool = DaskPool(_client(client, stack), task=task)
+        stack.callback(pool.close)
+        yield pool
+
+
+def check_where(client: Any, n_workers: int | None) -> None:
+    """ValueError, TypeError or ImportError if nobody can work there, as far as that shows without trying.
+
+    Examples
+    --------
+    >>> check_where(None, -1)
+    Traceback (most recent call last):
+        ...
+    ValueError: n_workers must be a whole number, 0 for this process alone, got -1
+    """
+    if n_workers is not None and (
+        isinstance(n_workers, bool) or not isinstance(n_workers, int) or n_workers < 0
+    ):
+        raise ValueError(f"n_workers must be a whole number, 0 for this process alone, got {n_workers!r}")
+    if client is None and n_workers == 0:
+        return
+    if importlib.util.find_spec("distributed") is None:
+        raise ImportError(
+            'several scans at a time want Dask: pip install "scenewidget[batch]"; '
+            "or stay in this process with n_workers=0"
+        )
+    if client is not None and n_workers is not None:
+        raise ValueError("n_workers is for a cluster of our own; with client= leave it out")
+    if client is not None and not isinstance(client, str) and not hasattr(client, "scheduler"):
+        raise TypeError(
+            "client must be a dask.distributed Client or cluster, or the address of a scheduler, "
+            f"got {type(client).__name__}"
+        )
+
+
+def _own_pool(n_workers: int | None, task: Callable[[Any], Row], stack: contextlib.ExitStack) -> DaskPool:
+    import logging
+
+    from distributed import LocalCluster
+    from distributed.system import MEMORY_LIMIT
+
+    n = n_workers or max(1, min(n_threads(), int(SHARE * MEMORY_LIMIT / ROOM)))
+    make: Any = LocalCluster  # no types
+    cluster = make(
+        n_workers=0,
+        threads_per_worker=1,
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:8787" if importlib.util.find_spec("bokeh") else None,
+        silence_logs=logging.CRITICAL,
+        scheduler_kwargs={"allowed_failures": 1},
+    )
+    stack.callback(cluster.close)
+    client = stack.enter_context(_connected(cluster))
+    workers = OwnWorkers(cluster.scheduler_address, n)
+    stack.callback(workers.stop)
+    workers.start()
+    return DaskPool(client, workers, task=task)
+
+
+def _client(given: Any, stack: contextlib.ExitStack) -> Any:
+    from distributed import Client
+
+    if isinstance(given, Client):
+        if given.asynchronous:
+            raise TypeError("client is asynchronous; give one that isn't, or the address of its scheduler")
+        return given
+    address = getattr(given, "scheduler_address", given)
+    try:
+        return stack.enter_context(_connected(address, timeout=ANSWER))
+    except (OSError, ValueError, TimeoutError) as error:
+        raise ConnectionError(
+            f"no Dask scheduler answers at {address!r} ({type(error).__name__}: {error}); check the address, "
+            "or leave it out for workers on this machine"
+        ) from error
+
+
+def _connected(to: Any, **options: Any) -> Any:
+    import distributed
+
+    make: Any = distributed.Client
+    return make(to, set_as_default=False, **options)
+
+
+def _gone(client: Any) -> str:
+    address = getattr(client.scheduler, "address", "")
+    place = f" at {address}" if address else ""
+    return f"the scheduler{place} is gone; what is done is kept, and the same call goes on from there"

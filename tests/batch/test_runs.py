@@ -1,0 +1,155 @@
+"""A whole dataset by one call, in this process: what is refused, what stands in the table, what stays."""
+
+import json
+import threading
+
+import numpy as np
+import pytest
+import shapes
+
+import scenewidget as sw
+from scenewidget.batch import pools
+from scenewidget.batch.runs import planned
+
+FAST = sw.Params(n_segments=2, n_runs=2, n_graph_runs=2)
+
+
+@pytest.fixture
+def scans(tmp_path):
+    """A square twice, in folders of their own."""
+    folder = tmp_path / "scans"
+    for room in ("bath", "kitchen"):
+        (folder / room).mkdir(parents=True)
+        mesh = shapes.sheet(4, 4, width=2.0, depth=2.0)
+        sw.export(sw.Segmentation.from_labels(mesh, np.arange(32) // 16), mesh, folder / room / "a.ply")
+    return folder
+
+
+def run(scans, out, **options):
+    return sw.segment_all(scans, out, FAST, n_workers=0, progress=False, **options)
+
+
+def test_a_row_a_scan_with_errors_where_there_is_a_truth(scans, tmp_path):
+    truth = tmp_path / "truth" / "kitchen"
+    truth.mkdir(parents=True)
+    mesh = sw.load(scans / "kitchen" / "a.ply")
+    sw.export(sw.Segmentation.from_labels(mesh, np.zeros(32, int)), mesh, truth / "a.npz")
+    first = run(scans, tmp_path / "out")
+    assert repr(first) == "Run(2 scans: 2 done)"
+    table = run(scans, tmp_path / "out", truth=tmp_path / "truth").to_frame().set_index("scan")
+    assert table.status.tolist() == ["reused", "reused"]  # judged without being segmented again
+    assert table.faces.tolist() == [32, 32]
+    assert (table.peak_memory > 1e7).all()
+    assert np.isnan(table.rand_index_error["bath/a.ply"])
+    labels = sw.import_labels(mesh, tmp_path / "out" / "kitchen" / "a.ply" / "a.npz")
+    expected = sw.evaluate({"": labels}, np.zeros(32, int), mesh).loc["", "rand_index_error"]
+    assert table.rand_index_error["kitchen/a.ply"] == expected
+    assert (tmp_path / "out" / "kitchen" / "a.ply" / "picture.jpg").read_bytes()[6:10] == b"JFIF"
+
+
+def test_what_failed_has_a_note_that_goes_once_it_is_mended(scans, tmp_path):
+    whole = (scans / "bath" / "a.ply").read_bytes()
+    (scans / "bath" / "a.ply").write_bytes(whole[:200])
+    table = run(scans, tmp_path / "out").to_frame()
+    assert table.status.tolist() == ["failed", "done"]
+    assert "a.ply" in table.error[0]
+    note = tmp_path / "out" / "bath" / "a.ply" / "failed.json"
+    assert json.loads(note.read_text())["status"] == "failed"
+    (scans / "bath" / "a.ply").write_bytes(whole)
+    assert run(scans, tmp_path / "out").to_frame().status.tolist() == ["done", "reused"]
+    assert not note.exists()
+
+
+def test_urls_in_and_out(tmp_path):
+    fsspec = pytest.importorskip("fsspec")
+    store = fsspec.filesystem("memory")
+    mesh = shapes.sheet(4, 4, width=2.0, depth=2.0)
+    rows = "".join(f"v {x} {y} {z}\n" for x, y, z in mesh.vertices)
+    rows += "".join(f"f {a} {b} {c}\n" for a, b, c in mesh.faces + 1)
+    store.pipe_file("/urls/scans/kitchen/a.obj", b"mtllib a.mtl\n" + rows.encode())
+    store.pipe_file("/urls/scans/kitchen/a.mtl", b"newmtl plain\n")
+    store.pipe_file("/urls/scans/notes.md", b"no scan")
+    for status in ("done", "reused"):
+        found = run("memory://urls/scans", "memory://urls/out", formats=["npz", "swproj"])
+        assert {scan: row["status"] for scan, row in found.rows.items()} == {"kitchen/a.obj": status}
+    there = {path.rpartition("/")[2] for path in store.find("/urls/out")}
+    assert there == {"a.npz", "a.swproj", "picture.jpg", "row.json"}
+    store.pipe_file("/urls/scans/kitchen/a.mtl", b"newmtl other\n")
+    store.pipe_file("/urls/out/kitchen/a.obj/a.npz", b"mine")
+    found = run("memory://urls/scans/*/*.obj", "memory://urls/out")
+    assert (
+        "no run of ours wrote it" in found.rows["a.obj"]["error"] or found.rows["a.obj"]["status"] == "done"
+    )
+    assert store.cat_file("/urls/out/kitchen/a.obj/a.npz") == b"mine"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"formats": ("xyz",)}, "formats may hold 'npz', .* got 'xyz'"),
+        ({"formats": ()}, "formats is empty"),
+        ({"truth": {"bath/b.ply": "b.npz"}}, "'bath/b.ply', which is no scan"),
+        ({"units": "miles"}, "units must be one of"),
+        ({"scans": "no/such"}, "does not exist; give files, folders or a pattern"),
+        ({"scans": []}, "scans is empty"),
+        ({"scans": "nowhere://a"}, "can't be opened"),
+    ],
+)
+def test_bad_input_is_refused_at_once(scans, tmp_path, options, message):
+    with pytest.raises(ValueError, match=message):
+        planned(**{"scans": scans, "out": tmp_path / "out", **options})
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_cannot_be_read_is_named(scans, tmp_path, monkeypatch):
+    def walk(folder, onerror, followlinks):
+        onerror(PermissionError(13, "Permission denied", f"{folder}/bath"))
+
+    monkeypatch.setattr("os.walk", walk)
+    with pytest.raises(PermissionError, match="bath' can't be read: Permission denied"):
+        planned(scans, tmp_path / "out")
+
+
+def test_wrong_kinds_are_type_errors(scans, tmp_path):
+    for options, message in (
+        ({"params": {}}, "params must be a Params"),
+        ({"scans": 3}, "scans must be a folder"),
+        ({"out": 3}, "out must be a folder"),
+        ({"truth": 3}, "truth must be a folder"),
+    ):
+        with pytest.raises(TypeError, match=message):
+            planned(**{"scans": scans, "out": tmp_path / "out", **options})
+    with pytest.raises(TypeError, match="progress must be"):
+        sw.segment_all(scans, tmp_path / "out", n_workers=0, progress=3)
+
+
+def test_a_scheduler_that_does_not_answer(scans, tmp_path, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(pools, "ANSWER", 0.5)
+    with pytest.raises(ConnectionError, match=r"no Dask scheduler answers at 'tcp://127\.0"):
+        sw.segment_all(scans, tmp_path / "out", client="tcp://127.0.0.1:9", progress=False)
+    with pytest.raises(TypeError, match="client must be a dask"):
+        sw.segment_all(scans, tmp_path / "out", client=3, progress=False)
+
+
+def test_without_dask_it_says_how_to_get_it(scans, tmp_path, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(ImportError, match=r'pip install "scenewidget\[batch\]"'):
+        sw.segment_all(scans, tmp_path / "out", progress=False)
+
+
+def test_in_the_background_it_can_be_cancelled(scans, tmp_path, monkeypatch):
+    begun, go_on = threading.Event(), threading.Event()
+
+    def slow(job, tell):
+        begun.set()
+        go_on.wait(30)
+        return {"scan": job.scan, "status": "done", "error": "", "segments": 1, "seconds": 1.0}
+
+    monkeypatch.setattr(pools, "run_job", slow)
+    behind = run(scans, tmp_path / "out", wait=False)
+    assert begun.wait(30)
+    behind.cancel()
+    go_on.set()
+    assert repr(behind.wait(30)) == "Run(2 scans: 1 done, 1 left)"
+    assert not behind.is_running
