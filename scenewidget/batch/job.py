@@ -74,7 +74,9 @@ def run_job(
     --------
     >>> from scenewidget.batch.plan import Job
     >>> from scenewidget.engine.params import Params
-    >>> run_job(Job("a.ply", "no/such/a.ply", "no/such/out", Params()))["status"]
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as out:
+    ...     run_job(Job("a.ply", "no/such/a.ply", out, Params()))["status"]
     'failed'
     """
     row = empty_row(job.scan)

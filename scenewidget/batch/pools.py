@@ -81,7 +81,8 @@ class InProcess:
     >>> from scenewidget.batch.plan import Job
     >>> from scenewidget.engine.params import Params
     >>> pool = InProcess()
-    >>> pool.submit(Job("a.ply", "no/such/a.ply", "no/such/out", Params()))
+    >>> with tempfile.TemporaryDirectory() as out:
+    ...     pool.submit(Job("a.ply", "no/such/a.ply", out, Params()))
     >>> [(job.scan, row["status"]) for job, row in pool.collect(0.0)]
     [('a.ply', 'failed')]
     """
@@ -125,7 +126,8 @@ def on_worker(job: Job) -> Row:
     --------
     >>> from scenewidget.batch.plan import Job
     >>> from scenewidget.engine.params import Params
-    >>> on_worker(Job("a.ply", "no/such/a.ply", "no/such/out", Params()))["status"]
+    >>> with tempfile.TemporaryDirectory() as out:
+    ...     on_worker(Job("a.ply", "no/such/a.ply", out, Params()))["status"]
     'failed'
     """
     from distributed import get_worker

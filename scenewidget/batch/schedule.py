@@ -45,9 +45,11 @@ def work_through(
     >>> from scenewidget.batch.plan import Job
     >>> from scenewidget.batch.pools import InProcess
     >>> from scenewidget.engine.params import Params
-    >>> job = Job("a.ply", "no/such/a.ply", "no/such/out", Params())
-    >>> work_through([job], InProcess(), lambda job, row: print(job.scan, row["status"]), threading.Event())
-    a.ply failed
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as out:
+    ...     job = Job("a.ply", "no/such/a.ply", out, Params())
+    ...     work_through([job], InProcess(), lambda job, row: print(row["status"]), threading.Event())
+    failed
     """
     again: dict[str, tuple[Job, dict[str, Any] | None]] = {}
 

@@ -75,7 +75,7 @@ def test_what_kills_its_worker_is_reported_and_nobody_else_suffers(cluster, tmp_
     assert "also when nothing else ran" in rows["poison-1"]["error"]
     assert (tmp_path / "out" / "poison-1" / "failed.json").exists()
     assert rows["large-1"]["status"] == "too large"  # with all the memory, too
-    assert cluster.window == 2
+    assert not cluster.enlarge()
 
 
 def test_stopping_abandons_what_waits(tmp_path):
