@@ -7,6 +7,7 @@ IJCV 59(2); on meshes: Karpathy et al. (2013), and the segmentator of ScanNet.
 from __future__ import annotations
 
 import heapq
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.seam_lists import insert, remove
 
-__all__ = ["join_along_seams", "join_light_edges"]
+__all__ = ["Grown", "grown_pieces", "join_along_seams", "join_light_edges", "without_small"]
 
 
 def join_light_edges(
@@ -61,15 +62,99 @@ def join_light_edges(
     >>> join_light_edges(4, pairs, np.array([0.1, 0.9, 0.1]), threshold=0.2).tolist()
     [0, 0, 1, 1]
     """
+    grown = grown_pieces(n_items, pairs, weights, threshold=threshold, sizes=sizes, order=order)
+    return without_small(grown, min_size)
+
+
+class Grown(NamedTuple):
+    """Pieces joined along light edges, and what is left of the graph between them.
+
+    Attributes
+    ----------
+    piece : (n_items,) int32
+        Dense, numbered by the first item of each piece.
+    sizes : (n_pieces,) float64
+    first, second : (n_edges,) int32
+        The pieces on both sides of each edge between two of them, in ascending weight.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.felzenszwalb import grown_pieces
+    >>> pairs = np.array([[0, 1], [1, 2], [2, 3]])
+    >>> grown = grown_pieces(4, pairs, np.array([0.1, 0.9, 0.1]), threshold=0.2)
+    >>> grown.sizes.tolist(), grown.first.tolist(), grown.second.tolist()
+    ([2.0, 2.0], [0], [1])
+    """
+
+    piece: IntArray
+    sizes: FloatArray
+    first: IntArray
+    second: IntArray
+
+
+def grown_pieces(
+    n_items: int,
+    pairs: IntArray,
+    weights: FloatArray,
+    *,
+    threshold: float,
+    sizes: FloatArray | None = None,
+    order: IntArray | None = None,
+) -> Grown:
+    """What `join_light_edges` joins before it looks at sizes: several least sizes can be tried on it.
+
+    Parameters
+    ----------
+    n_items, pairs, weights, threshold, sizes, order
+        See `join_light_edges`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.felzenszwalb import grown_pieces, without_small
+    >>> grown = grown_pieces(3, np.array([[0, 1], [1, 2]]), np.array([0.1, 0.9]), threshold=0.2)
+    >>> [without_small(grown, least).tolist() for least in (0.0, 2.0)]
+    [[0, 0, 1], [0, 0, 0]]
+    """
     if not threshold >= 0:
         raise ValueError(f"threshold must be at least 0, got {threshold}")
     if order is None:
         order = np.argsort(weights, kind="stable")
     size = np.ones(n_items) if sizes is None else np.array(sizes, dtype=np.float64)
-    first = np.ascontiguousarray(pairs[:, 0][order], dtype=np.int32)
-    second = np.ascontiguousarray(pairs[:, 1][order], dtype=np.int32)
+    first, second = (np.ascontiguousarray(side[order], dtype=np.int32) for side in pairs.T)
     weight = np.ascontiguousarray(weights[order], dtype=np.float64)
-    return _join(first, second, weight, size, float(threshold), float(min_size))  # type: ignore[no-any-return]
+    piece, n_pieces = _join(first, second, weight, size, float(threshold), 0.0)
+    return Grown(piece, size[:n_pieces], *_between(piece, first, second))
+
+
+def without_small(grown: Grown, min_size: float) -> IntArray:
+    """Pieces below a size joined to a neighbour, over edges in ascending weight.
+
+    Parameters
+    ----------
+    grown : Grown
+    min_size : float
+        In the unit of the sizes.
+
+    Returns
+    -------
+    labels : (n_items,) int32
+        Dense, numbered by the first item of each piece.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.felzenszwalb import Grown, without_small
+    >>> grown = Grown(np.array([0, 1, 1]), np.array([1.0, 2.0]), np.array([0]), np.array([1]))
+    >>> without_small(grown, 1.0).tolist(), without_small(grown, 1.5).tolist()
+    ([0, 1, 1], [0, 0, 0])
+    """
+    if not min_size > 0:
+        return grown.piece
+    nothing = np.empty(0)
+    label, _ = _join(grown.first, grown.second, nothing, grown.sizes.copy(), 0.0, float(min_size))
+    return np.asarray(label[grown.piece])
 
 
 def join_along_seams(
@@ -210,25 +295,30 @@ def _find(parent, i):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 def _join(first, second, weight, size, threshold, min_size):  # type: ignore[no-untyped-def]
+    """Label of each item and the number of labels; ``size`` begins with the sizes of the pieces then.
+
+    Along edges that are light for both sides, or, with a ``min_size``, along those of pieces below it.
+    """
     n = len(size)
-    parent = np.arange(n, dtype=np.int32)
+    parent = np.empty(n, np.int32)
     limit = np.empty(n)
     for i in range(n):
+        parent[i] = i
         limit[i] = threshold / size[i] if size[i] > 0 else np.inf
-    for smallest in (False, True):  # first by weight, then pieces that are too small
-        for e in range(len(first)):
-            a, b = _find(parent, first[e]), _find(parent, second[e])
-            if a == b:
+    for e in range(len(first)):
+        a, b = _find(parent, first[e]), _find(parent, second[e])
+        if a == b:
+            continue
+        if min_size > 0:
+            if size[a] >= min_size and size[b] >= min_size:
                 continue
-            if smallest:
-                if size[a] >= min_size and size[b] >= min_size:
-                    continue
-            elif weight[e] > limit[a] or weight[e] > limit[b]:
-                continue
-            if b < a:
-                a, b = b, a
-            parent[b] = a  # the lower index stays root: labels follow the order of the items
-            size[a] += size[b]
+        elif weight[e] > limit[a] or weight[e] > limit[b]:
+            continue
+        if b < a:
+            a, b = b, a
+        parent[b] = a  # the lower index stays root: labels follow the order of the items
+        size[a] += size[b]
+        if min_size <= 0:
             limit[a] = weight[e] + (threshold / size[a] if size[a] > 0 else np.inf)
     labels = np.empty(n, dtype=np.int32)
     count = 0
@@ -236,7 +326,25 @@ def _join(first, second, weight, size, threshold, min_size):  # type: ignore[no-
         root = _find(parent, i)
         if root == i:
             labels[i] = count
+            size[count] = size[i]
             count += 1
         else:
             labels[i] = labels[root]
-    return labels
+    return labels, count
+
+
+@numba.njit(cache=True, nogil=True)
+def _between(piece, first, second):  # type: ignore[no-untyped-def]
+    """Pieces on both sides of the edges that lie between two."""
+    count = 0
+    for e in range(len(first)):
+        count += piece[first[e]] != piece[second[e]]
+    left, right = np.empty(count, np.int32), np.empty(count, np.int32)
+    count = 0
+    for e in range(len(first)):
+        a, b = piece[first[e]], piece[second[e]]
+        if a != b:
+            left[count] = a
+            right[count] = b
+            count += 1
+    return left, right

@@ -10,6 +10,7 @@ back to the raw faces exactly, and nothing is thrown away to get down to a size 
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple, TypeVar
@@ -20,7 +21,7 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from scenewidget.engine.features import vertex_to_face
-from scenewidget.engine.felzenszwalb import join_light_edges
+from scenewidget.engine.felzenszwalb import grown_pieces, without_small
 from scenewidget.engine.mesh import (
     BoolArray,
     FloatArray,
@@ -514,17 +515,11 @@ def _superfacets(
     order = monitor.call(np.argsort, weights, kind="stable")
     monitor.tick(0.7)
     areas, smallest = mesh.face_areas, min(item_area, float(mesh.face_areas.sum()) / FEWEST_ITEMS)
+    grown = monitor.call(
+        grown_pieces, mesh.n_faces, links, weights, threshold=threshold, sizes=areas, order=order
+    )
     while True:
-        label = monitor.call(
-            join_light_edges,
-            mesh.n_faces,
-            links,
-            weights,
-            threshold=threshold,
-            min_size=smallest,
-            sizes=areas,
-            order=order,
-        )
+        label = monitor.call(without_small, grown, smallest)
         count, area = np.bincount(label), np.bincount(label, areas).astype(np.float64)
         is_kept = (
             area >= smallest
@@ -677,21 +672,56 @@ def find_bridges(mesh: Mesh, pairs: IntArray, reach: float) -> IntArray:
     bridges: IntArray = np.empty((0, 2), dtype=np.int32)
     if len(border) == 0 or reach <= 0:
         return bridges
-    points = mesh.face_centroids[border]
-    tree = cKDTree(points)
     n_components, component = connected_components(mesh.n_faces, pairs)
+    if n_components == 1:
+        return bridges
+    points, home = mesh.face_centroids[border], component[border]
     size = np.bincount(component)
-    home, n_homes, home_size = component[border], n_components, size
-    while n_homes > 1:  # crumbs first find each other: then their groups look further, and so on
-        asking = np.flatnonzero(home != home_size.argmax())
+    tree, cells = cKDTree(points), _Cells(points, reach)
+    while n_components > 1:  # crumbs first find each other: then their groups look further, and so on
+        asking = np.flatnonzero((home != size.argmax()) & cells.are_mixed(home))
         found = border[_nearest_elsewhere(tree, points, home, asking, reach)]
         if len(found) == 0:
             break
         found = np.concatenate([bridges, np.sort(found, axis=1)])
         bridges = np.unique(found, axis=0).astype(np.int32)
-        n_homes, group = connected_components(n_components, component[bridges])
-        home, home_size = group[component[border]], np.bincount(group, size).astype(np.int64)
+        n_components, group = connected_components(n_components, component[bridges])
+        component, home, size = group[component], group[home], np.bincount(group, size)
     return bridges
+
+
+class _Cells:
+    """Cells as large as the reach: what a point could find lies in its own or one of the 26 around it."""
+
+    def __init__(self, points: FloatArray, reach: float) -> None:
+        place = np.floor((points - points.min(axis=0)) / (1.001 * reach)).astype(np.int64) + 1
+        shape = place.max(axis=0) + 2
+        code = (place[:, 0] * shape[1] + place[:, 1]) * shape[2] + place[:, 2]
+        self._order = np.argsort(code)
+        code = code[self._order]
+        self._start = np.flatnonzero(np.concatenate([[True], code[1:] != code[:-1]]))
+        code = code[self._start]
+        self._beside = []  # each two cells once
+        for x, y, z in list(itertools.product((0, 1, -1), repeat=3))[1:]:
+            step = int((x * shape[1] + y) * shape[2] + z)
+            if step > 0:
+                there = np.searchsorted(code, code + step)
+                here = np.flatnonzero(np.append(code, -1)[there] == code + step)
+                self._beside.append((here, there[here]))
+
+    def are_mixed(self, home: IntArray) -> BoolArray:
+        """(n_points,) whether the cells around a point hold points of several homes."""
+        ordered = home[self._order]
+        least = np.minimum.reduceat(ordered, self._start)
+        most = np.maximum.reduceat(ordered, self._start)
+        low, high = least.copy(), most.copy()
+        for one, other in self._beside:
+            for here, there in ((one, other), (other, one)):
+                low[here] = np.minimum(low[here], least[there])
+                high[here] = np.maximum(high[here], most[there])
+        out = np.empty(len(home), dtype=np.bool_)
+        out[self._order] = np.repeat(low != high, np.diff(np.append(self._start, len(home))))
+        return out
 
 
 def _nearest_elsewhere(
