@@ -8,8 +8,7 @@ partition (thesis 3.5). Partitions by a cut of a merge tree are in `linkage`; ho
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numba
@@ -19,6 +18,7 @@ from scipy import sparse
 from scenewidget.engine.allocation import allocate
 from scenewidget.engine.atoms import by_first_appearance
 from scenewidget.engine.checks import warn_caller
+from scenewidget.engine.evidence import counted_together
 from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.monitor import SILENT, Monitor
@@ -37,8 +37,6 @@ __all__ = [
 ]
 
 Leftover = Literal["alone", "argmax", "linkage"]
-
-BLOCK = 128  # A thread counts so many rows of the co-association matrix at a time.
 
 
 class CoAssociation(NamedTuple):
@@ -175,50 +173,13 @@ def co_association(keys: IntArray, weights: FloatArray | None = None, *, n_threa
     first = np.full(n_base, len(base), dtype=np.int64)
     np.minimum.at(first, base, np.arange(len(base)))
     table = np.ascontiguousarray(keys[first], dtype=np.int32)
-    C = _counted(_count_equal, table, n_threads)  # dense (n_base, n_base) float64: 800 MB at 10 000
+    C = counted_together(table, n_threads)  # dense (n_base, n_base) float64: 800 MB at 10 000
     if table.min() >= 0:
         C /= keys.shape[1]
     else:
-        seen = _counted(_count_both, table, n_threads)
+        seen = counted_together(table, n_threads, seen=True)
         np.divide(C, seen, out=C, where=seen > 0)
     return CoAssociation(C, np.bincount(base, weights, n_base).astype(np.float64), base)
-
-
-def _counted(
-    count: Callable[[IntArray, FloatArray, int, int], None], table: IntArray, n_threads: int
-) -> FloatArray:
-    """(n, n) of how many columns pairs of rows have in common, in the sense of ``count``."""
-    n = len(table)
-    out = np.empty((n, n))
-    if n_threads == 1 or n <= BLOCK:
-        count(table, out, 0, n)
-        return out
-    with ThreadPoolExecutor(n_threads) as pool:
-        for _ in pool.map(lambda first: count(table, out, first, min(first + BLOCK, n)), range(0, n, BLOCK)):
-            pass
-    return out
-
-
-@numba.njit(cache=True, nogil=True)
-def _count_equal(table, out, first, last):  # type: ignore[no-untyped-def]
-    """Runs in which two rows fall in one cluster; −1 falls in none. Of rows from ``first`` to all before."""
-    for i in range(first, last):
-        for j in range(i + 1):
-            equal = 0
-            for r in range(table.shape[1]):
-                equal += table[i, r] == table[j, r] and table[i, r] >= 0
-            out[i, j] = out[j, i] = equal
-
-
-@numba.njit(cache=True, nogil=True)
-def _count_both(table, out, first, last):  # type: ignore[no-untyped-def]
-    """Runs that saw both rows."""
-    for i in range(first, last):
-        for j in range(i + 1):
-            both = 0
-            for r in range(table.shape[1]):
-                both += table[i, r] >= 0 and table[j, r] >= 0
-            out[i, j] = out[j, i] = both
 
 
 def component_trees(

@@ -161,7 +161,8 @@ def _partition_from(  # type: ignore[no-untyped-def]
     of: nothing needs clearing between seeds. One queue serves the rings, then the flood.
     """
     n_slots = slots.shape[1]
-    for seed in seeds:
+    for at in range(len(seeds)):
+        seed = seeds[at]
         if partition[seed] >= 0:
             continue
         partition[seed] = n_partitions
@@ -174,7 +175,9 @@ def _partition_from(  # type: ignore[no-untyped-def]
             for i in range(ring_start, ring_end):
                 face = queue[i]
                 for e in range(indptr[face], indptr[face + 1]):
-                    slot = min(int(np.floor(place[e] + BORDER)), n_slots - 1)
+                    slot = int(place[e] + BORDER)
+                    if slot >= n_slots:
+                        slot = n_slots - 1
                     if slots[1, slot] != seed + 1:
                         slots[1, slot] = seed + 1
                         slots[0, slot] = 0

@@ -291,8 +291,10 @@ class MinPlusFactor:
         first[1:] = (low[1:] != low[:-1]) | (high[1:] != high[:-1])
         low, high, data = low[first], high[first], data[first]
         indptr = np.concatenate([[0], np.cumsum(np.bincount(low, minlength=n))]).astype(np.int64)
-        fill_ptr, fill = _symbolic(n, indptr, high.astype(np.int32))
-        values = _numeric(n, indptr, high.astype(np.int32), data, fill_ptr, fill)
+        fill_ptr, fill = _pattern(indptr, high.astype(np.int32))
+        values, columns = np.full(len(fill), np.inf, np.float32), np.full((2, n), -1, np.int32)
+        where, cursor = np.empty(n, np.int64), fill_ptr[:-1].copy()
+        _numeric(indptr, high.astype(np.int32), data, fill_ptr, fill, values, where, columns, cursor)
         for name, array in (("order", order), ("indptr", fill_ptr), ("indices", fill), ("values", values)):
             object.__setattr__(self, name, array)
 
@@ -326,8 +328,20 @@ class MinPlusFactor:
 
         def solve(strip: IntArray) -> None:
             monitor.tick()
+            steps, paths = position[sources[strip]], np.full((n, STRIP), np.inf, np.float32)
+            is_reached = np.zeros(n, np.bool_)
+            is_reached[steps] = True
+            paths[steps, np.arange(len(steps))] = 0.0
             _solve_strip(
-                position[sources[strip]], strip, self.order, self.indptr, self.indices, self.values, out
+                int(steps.min()),
+                strip,
+                self.order,
+                self.indptr,
+                self.indices,
+                self.values,
+                paths,
+                is_reached,
+                out,
             )
 
         with ThreadPoolExecutor(n_threads) as pool:
@@ -359,23 +373,32 @@ def _elimination_position(coo: sparse.coo_array) -> IntArray:
     return np.asarray(lu.perm_c, dtype=np.int32)
 
 
+def _pattern(indptr: IntArray, indices: IntArray) -> tuple[IntArray, IntArray]:
+    """Pattern of the factor: each column is its own later neighbours and those of its children, ascending."""
+    n = len(indptr) - 1
+    fill_ptr, state = np.zeros(n + 1, np.int64), np.full((3, n), -1, np.int32)
+    fill: IntArray = np.empty(max(16, n, 4 * len(indices)), np.int32)
+    done = 0
+    while done < n:
+        done = _symbolic(done, indptr, indices, fill_ptr, fill, *state)
+        if done < n:
+            fill = np.concatenate([fill, np.empty(len(fill) + n, np.int32)])
+    fill = fill[: fill_ptr[-1]]
+    column = np.repeat(np.arange(n) * n, np.diff(fill_ptr))
+    return fill_ptr, (np.sort(column + fill) - column).astype(np.int32)
+
+
+# The kernels below are plain loops over arrays that the caller made: what numpy says shorter takes seconds to
+# compile.
 @numba.njit(cache=True, nogil=True)
-def _symbolic(n, indptr, indices):  # type: ignore[no-untyped-def]
-    """Pattern of the factor: each column is its own later neighbours and those of its children."""
-    fill_ptr = np.zeros(n + 1, dtype=np.int64)
-    capacity = max(16, 4 * len(indices))
-    fill = np.empty(capacity, dtype=np.int32)
-    mark = np.full(n, -1, dtype=np.int32)
-    first_child = np.full(n, -1, dtype=np.int32)
-    next_child = np.full(n, -1, dtype=np.int32)
-    size = 0
-    for j in range(n):
-        start = size
-        if capacity - size < n - j:
-            capacity = 2 * capacity + n
-            grown = np.empty(capacity, dtype=np.int32)
-            grown[:size] = fill[:size]
-            fill = grown
+def _symbolic(begin, indptr, indices, fill_ptr, fill, mark, first_child, next_child):  # type: ignore[no-untyped-def]
+    """Columns from ``begin`` to the one, returned, that might find no room; of a column any order."""
+    n = len(mark)
+    size = fill_ptr[begin]
+    for j in range(begin, n):
+        if len(fill) - size < n - j:
+            return j
+        parent = n
         mark[j] = j
         for e in range(indptr[j], indptr[j + 1]):
             v = indices[e]
@@ -383,6 +406,8 @@ def _symbolic(n, indptr, indices):  # type: ignore[no-untyped-def]
                 mark[v] = j
                 fill[size] = v
                 size += 1
+                if v < parent:
+                    parent = v
         child = first_child[j]
         while child >= 0:
             for e in range(fill_ptr[child], fill_ptr[child + 1]):
@@ -391,25 +416,23 @@ def _symbolic(n, indptr, indices):  # type: ignore[no-untyped-def]
                     mark[v] = j
                     fill[size] = v
                     size += 1
+                    if v < parent:
+                        parent = v
             child = next_child[child]
-        fill[start:size].sort()
         fill_ptr[j + 1] = size
-        if size > start:
-            parent = fill[start]
+        if parent < n:
             next_child[j] = first_child[parent]
             first_child[parent] = j
-    return fill_ptr, fill[:size].copy()
+    return n
 
 
 @numba.njit(cache=True, nogil=True)
-def _numeric(n, indptr, indices, data, fill_ptr, fill):  # type: ignore[no-untyped-def]
+def _numeric(  # type: ignore[no-untyped-def]
+    indptr, indices, data, fill_ptr, fill, values, where, columns, cursor
+):
     """Weights of the factor, column by column: shortest paths through eliminated nodes."""
-    values = np.full(len(fill), np.float32(np.inf), dtype=np.float32)
-    where = np.full(n, -1, dtype=np.int64)
-    first_column = np.full(n, -1, dtype=np.int32)  # columns whose next entry is row a, as linked lists
-    next_column = np.full(n, -1, dtype=np.int32)
-    cursor = fill_ptr[:-1].copy()
-    for a in range(n):
+    first_column, next_column = columns[0], columns[1]  # whose next entry is row a, as linked lists
+    for a in range(len(where)):
         for e in range(fill_ptr[a], fill_ptr[a + 1]):
             where[fill[e]] = e
         for e in range(indptr[a], indptr[a + 1]):
@@ -434,36 +457,32 @@ def _numeric(n, indptr, indices, data, fill_ptr, fill):  # type: ignore[no-untyp
             row = fill[fill_ptr[a]]
             next_column[a] = first_column[row]
             first_column[row] = a
-    return values
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"nnan", "nsz"})
-def _solve_strip(steps, places, order, indptr, indices, values, out):  # type: ignore[no-untyped-def]
+def _solve_strip(  # type: ignore[no-untyped-def]
+    begin, places, order, indptr, indices, values, paths, is_reached, out
+):
     """One sweep up the elimination order from the sources, one sweep down to all nodes."""
-    n, width = len(order), len(steps)
-    strip = np.full((n, STRIP), np.float32(np.inf), dtype=np.float32)
-    is_reached = np.zeros(n, dtype=np.bool_)
-    for i in range(width):
-        strip[steps[i], i] = 0.0
-        is_reached[steps[i]] = True
-    for j in range(steps.min(), n):
+    n = len(order)
+    for j in range(begin, n):
         if is_reached[j]:
-            here = strip[j]
+            here = paths[j]
             for e in range(indptr[j], indptr[j + 1]):
                 is_reached[indices[e]] = True
-                there, w = strip[indices[e]], values[e]
+                there, w = paths[indices[e]], values[e]
                 for i in range(STRIP):
                     there[i] = min(there[i], here[i] + w)
     for j in range(n - 1, -1, -1):
-        here = strip[j]
+        here = paths[j]
         for e in range(indptr[j], indptr[j + 1]):
-            there, w = strip[indices[e]], values[e]
+            there, w = paths[indices[e]], values[e]
             for i in range(STRIP):
                 here[i] = min(here[i], there[i] + w)
-    for i in range(width):
+    for i in range(len(places)):
         row = out[places[i]]
         for j in range(n):
-            row[order[j]] = strip[j, i]
+            row[order[j]] = paths[j, i]
 
 
 @numba.njit(cache=True, nogil=True)
@@ -474,6 +493,7 @@ def _mirror(D, first):  # type: ignore[no-untyped-def]
     for left in range(first, n, STRIP):  # square blocks: both sides of the diagonal stay in the cache
         for i in range(first, last):
             for j in range(max(left, i + 1), min(left + STRIP, n)):
-                smaller = min(D[i, j], D[j, i])
-                D[i, j] = smaller
-                D[j, i] = smaller
+                if D[j, i] < D[i, j]:
+                    D[i, j] = D[j, i]
+                else:
+                    D[j, i] = D[i, j]

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 
-from scenewidget.engine.evidence import agreement_of_groups
+from scenewidget.engine.evidence import agreement_of_groups, counted_together
 from scenewidget.engine.linkage import average_linkage
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.moments import Moments
@@ -538,7 +538,8 @@ def measure_cuts(
     0.5
     """
     area = np.maximum(pieces.moments.area[members], 1e-12)
-    C = _co_association(keys[pieces.base[members]])  # dense (n_members, n_members)
+    C = counted_together(keys[pieces.base[members]]) / keys.shape[1]  # dense (n_members, n_members)
+    np.fill_diagonal(C, 1.0)
     tree = average_linkage(C, area)
     flat = np.concatenate(
         [
@@ -550,9 +551,22 @@ def measure_cuts(
         ],
         axis=1,
     )
-    sums, within, border, start, stop = _add_up(
-        tree, flat, area**2 * np.diagonal(C), np.ascontiguousarray(ends, np.int64), length
+    n = 2 * len(members) - 1
+    sums, within, border = np.zeros((n, flat.shape[1])), np.zeros(n), np.zeros(n)
+    sums[: len(members)], within[: len(members)] = flat, area**2 * np.diagonal(C)
+    parent, count, start = np.full(n, n - 1), np.ones(n, np.int64), np.zeros(n, np.int64)
+    _add_up(
+        tree,
+        np.ascontiguousarray(ends, np.int64),
+        np.ascontiguousarray(length, np.float64),
+        parent,
+        sums,
+        within,
+        border,
+        count,
+        start,
     )
+    stop = start + count
     order = np.empty(len(members), dtype=np.int64)
     order[start[: len(members)]] = members
     root, sums, within, border = sums[-1], sums[:-1], within[:-1], border[:-1]
@@ -603,37 +617,21 @@ def _spread(cuts: Cuts, p: FloatArray, worst: FloatArray) -> None:
 
 
 @numba.njit(cache=True, nogil=True)
-def _co_association(keys):  # type: ignore[no-untyped-def]
-    """(n, n) share of the runs in which two rows share a cluster; −1 falls in none."""
-    n, n_runs = keys.shape
-    out = np.empty((n, n))
-    for i in range(n):
-        for j in range(i + 1):
-            equal = 0
-            for r in range(n_runs):
-                equal += keys[i, r] == keys[j, r] and keys[i, r] >= 0
-            out[i, j] = out[j, i] = equal / n_runs
-        out[i, i] = 1.0
-    return out
-
-
-@numba.njit(cache=True, nogil=True)
-def _add_up(tree, flat, own, ends, length):  # type: ignore[no-untyped-def]
+def _add_up(  # type: ignore[no-untyped-def]
+    tree, ends, length, parent, sums, within, border, count, start
+):
     """For every node of a merge tree: sums over its leaves, their agreement, their border, their places.
 
-    Column 13 of ``flat`` is the area that the tree was made with. ``within`` is the sum over pairs of leaves
-    of both areas times co-association, which the heights of the tree give.
+    All are filled for the leaves, which come first. Column 13 of ``sums`` is the area that the tree was made
+    with. ``within`` is the sum over pairs of leaves of both areas times co-association, which the heights of
+    the tree give.
     """
-    n = len(flat)
-    sums = np.zeros((2 * n - 1, flat.shape[1]))
-    within, border = np.zeros(2 * n - 1), np.zeros(2 * n - 1)
-    parent = np.full(2 * n - 1, 2 * n - 2)
-    sums[:n], within[:n] = flat, own
-    count = np.ones(2 * n - 1, dtype=np.int64)
+    n = len(tree) + 1
     for k in range(n - 1):
         left, right = int(tree[k, 0]), int(tree[k, 1])
-        parent[left] = parent[right] = n + k
-        sums[n + k] = sums[left] + sums[right]
+        parent[left], parent[right] = n + k, n + k
+        for c in range(sums.shape[1]):
+            sums[n + k, c] = sums[left, c] + sums[right, c]
         count[n + k] = count[left] + count[right]
         across = sums[left, 13] * sums[right, 13] * (1.0 - tree[k, 2])
         within[n + k] = within[left] + within[right] + 2.0 * across
@@ -646,9 +644,7 @@ def _add_up(tree, flat, own, ends, length):  # type: ignore[no-untyped-def]
             else:
                 border[b] += length[e]
                 b = parent[b]
-    start = np.zeros(2 * n - 1, dtype=np.int64)
     for k in range(n - 2, -1, -1):
         left, right = int(tree[k, 0]), int(tree[k, 1])
         start[left] = start[n + k]
         start[right] = start[n + k] + count[left]
-    return sums, within, border, start, start + count

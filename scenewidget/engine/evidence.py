@@ -6,13 +6,17 @@ accumulation: Fred and Jain (2005), IEEE TPAMI 27(6).
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numba
 import numpy as np
 
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.threads import one_blas_thread
 
-__all__ = ["agreement_of_groups"]
+__all__ = ["agreement_of_groups", "counted_together"]
+
+BLOCK = 128  # A thread counts so many rows at a time.
 
 
 def agreement_of_groups(
@@ -57,10 +61,60 @@ def agreement_of_groups(
     table /= mass[:, None].astype(np.float32)
     with one_blas_thread():  # a product of milliseconds: threads that wait for each other cost more
         between = (table @ table.T).astype(np.float64) / n_runs
-    return between, _gather(keys, asked, start, np.ascontiguousarray(table.T), n_groups) / n_runs
+    with_groups = np.zeros((len(asked), n_groups))
+    _gather(keys, asked, start, np.ascontiguousarray(table.T), with_groups)
+    return between, with_groups / n_runs
 
 
-@numba.njit(cache=True)
+def counted_together(table: IntArray, n_threads: int = 1, *, seen: bool = False) -> FloatArray:
+    """(n, n) float64: in how many runs two rows fall in one cluster.
+
+    Parameters
+    ----------
+    table : (n, n_runs) int
+        Cluster of each row in each run; −1 falls in none.
+    n_threads : int
+        Doesn't change the result.
+    seen : bool
+        Count the runs that saw both rows instead.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.evidence import counted_together
+    >>> table = np.array([[0, 0, 0], [0, 1, -1]])
+    >>> counted_together(table).tolist(), counted_together(table, seen=True).tolist()
+    ([[3.0, 1.0], [1.0, 2.0]], [[3.0, 2.0], [2.0, 2.0]])
+    """
+    n = len(table)
+    keys = np.ascontiguousarray(table, dtype=np.int32)
+    if seen:
+        keys = np.minimum(keys, 0)  # so that all that were seen fall in one cluster
+    out = np.empty((n, n))
+    if n_threads == 1 or n <= BLOCK:
+        _count(keys, out, 0, n)
+        return out
+    with ThreadPoolExecutor(n_threads) as pool:
+        for _ in pool.map(lambda first: _count(keys, out, first, min(first + BLOCK, n)), range(0, n, BLOCK)):
+            pass
+    return out
+
+
+# The kernels below are plain loops over arrays that the caller made: what numpy says shorter takes seconds to
+# compile.
+@numba.njit(cache=True, nogil=True)
+def _count(table, out, first, last):  # type: ignore[no-untyped-def]
+    """Runs in which two rows fall in one cluster, of rows from ``first`` to all before."""
+    for i in range(first, last):
+        for j in range(i + 1):
+            equal = 0
+            for r in range(table.shape[1]):
+                equal += table[i, r] == table[j, r] and table[i, r] >= 0
+            out[i, j] = equal
+            out[j, i] = equal
+
+
+@numba.njit(cache=True, nogil=True)
 def _fill(keys, weights, part, group, start, table, total):  # type: ignore[no-untyped-def]
     """Weight of each group in each cluster of each run, and altogether."""
     for e in range(len(part)):
@@ -71,13 +125,13 @@ def _fill(keys, weights, part, group, start, table, total):  # type: ignore[no-u
                 table[g, start[r] + keys[p, r]] += weights[e]
 
 
-@numba.njit(cache=True)
-def _gather(keys, asked, start, by_cluster, n_groups):  # type: ignore[no-untyped-def]
+@numba.njit(cache=True, nogil=True)
+def _gather(keys, asked, start, by_cluster, out):  # type: ignore[no-untyped-def]
     """Sum over the runs of what the part's cluster holds of each group."""
-    out = np.zeros((len(asked), n_groups))
     for i in range(len(asked)):
         for r in range(keys.shape[1]):
             k = keys[asked[i], r]
             if k >= 0:
-                out[i] += by_cluster[start[r] + k]
-    return out
+                held = by_cluster[start[r] + k]
+                for g in range(len(held)):
+                    out[i, g] += held[g]

@@ -6,14 +6,14 @@ IJCV 59(2); on meshes: Karpathy et al. (2013), and the segmentator of ScanNet.
 
 from __future__ import annotations
 
-import heapq
 from typing import NamedTuple
 
 import numba
 import numpy as np
 
+from scenewidget.engine.atoms import by_first_appearance
 from scenewidget.engine.mesh import FloatArray, IntArray
-from scenewidget.engine.seam_lists import insert, remove
+from scenewidget.engine.seam_lists import joined_along_seams
 
 __all__ = ["Grown", "grown_pieces", "join_along_seams", "join_light_edges", "without_small"]
 
@@ -171,7 +171,7 @@ def join_along_seams(
     pairs : (n_pairs, 2) int
         Neighbouring items, each pair once.
     weights, lengths : (n_pairs,) float
-        Weight of each seam, and how long it is, in any unit.
+        Weight of each seam, not negative, and how long it is, in any unit.
     threshold : float
         In the unit of the weights times that of the sizes.
     sizes : (n_items,) float
@@ -198,91 +198,11 @@ def join_along_seams(
     >>> join_light_edges(4, pairs, weights, threshold=1.0).tolist()
     [0, 0, 0, 0]
     """
-    return _join_along_seams(  # type: ignore[no-any-return]
-        np.ascontiguousarray(pairs, dtype=np.int64),
-        np.asarray(weights, dtype=np.float64),
-        np.asarray(lengths, dtype=np.float64),
-        np.asarray(sizes, dtype=np.float64),
-        float(threshold),
-    )
-
-
-@numba.njit(cache=True, nogil=True)
-def _join_along_seams(pairs, weight, length, size, threshold):  # type: ignore[no-untyped-def]
-    n, m = len(size), len(pairs)
-    ends, length, size = pairs.copy(), length.copy(), size.copy()
-    total = weight * length
-    parent = np.arange(n)
-    limit = np.empty(n)
-    for i in range(n):
-        limit[i] = threshold / size[i] if size[i] > 0 else np.inf
-    head = np.full(n, -1)
-    after, before = np.full(2 * m, -1), np.full(2 * m, -1)
-    degree = np.zeros(n, np.int64)
-    turn = np.zeros(m, np.int64)  # how often a seam has changed: what the heap has of it may be stale
-    seam_to = np.full(n, -1)  # from the piece at hand
-    for s in range(m):
-        for side in range(2):
-            insert(head, after, before, ends[s, side], 2 * s + side)
-            degree[ends[s, side]] += 1
-    heap = [(total[s] / length[s], s, 0) for s in range(m)]
-    heapq.heapify(heap)
-    while len(heap) > 0:
-        w, s, version = heapq.heappop(heap)
-        i, j = ends[s, 0], ends[s, 1]
-        if version != turn[s] or w > limit[i] or w > limit[j]:
-            continue
-        if degree[i] < degree[j]:
-            i, j = j, i
-        parent[j] = i
-        size[i] += size[j]
-        limit[i] = w + (threshold / size[i] if size[i] > 0 else np.inf)
-        turn[s] = -1
-        for side in range(2):
-            remove(head, after, before, ends[s, side], 2 * s + side)
-            degree[ends[s, side]] -= 1
-        entry = head[i]
-        while entry >= 0:
-            seam_to[ends[entry // 2, 1 - entry % 2]] = entry // 2
-            entry = after[entry]
-        entry = head[j]
-        while entry >= 0:
-            s, side, following = entry // 2, entry % 2, after[entry]
-            k = ends[s, 1 - side]
-            old = seam_to[k]
-            if old >= 0:
-                total[old] += total[s]
-                length[old] += length[s]
-                turn[s] = -1
-                remove(head, after, before, k, 2 * s + 1 - side)
-                degree[k] -= 1
-                s = old
-            else:
-                ends[s, side] = i
-                insert(head, after, before, i, entry)
-                degree[i] += 1
-            turn[s] += 1
-            entry = following
-        entry = head[i]
-        while entry >= 0:
-            s = entry // 2
-            seam_to[ends[s, 1 - entry % 2]] = -1
-            turn[s] += 1
-            w = total[s] / length[s]
-            if w <= limit[i]:  # what is heavier waits until the piece is joined again
-                heapq.heappush(heap, (w, s, turn[s]))
-            entry = after[entry]
-    labels = np.full(n, -1, dtype=np.int32)
-    count = 0
-    for i in range(n):
-        root = i
-        while parent[root] != root:
-            root = parent[root]
-        if labels[root] < 0:
-            labels[root] = count
-            count += 1
-        labels[i] = labels[root]
-    return labels
+    size, length = np.asarray(sizes, dtype=np.float64), np.asarray(lengths, dtype=np.float64)
+    limits = np.divide(threshold, size, out=np.full(len(size), np.inf), where=size > 0)
+    sums = (np.asarray(weights, dtype=np.float64) * length)[:, None]
+    roots = joined_along_seams(pairs, sums, 0, length, limits, sizes=size, threshold=threshold)
+    return by_first_appearance(roots)
 
 
 @numba.njit(cache=True, nogil=True)
@@ -323,7 +243,7 @@ def _join(first, second, weight, size, threshold, min_size):  # type: ignore[no-
     labels = np.empty(n, dtype=np.int32)
     count = 0
     for i in range(n):
-        root = _find(parent, i)
+        root = _find(parent, parent[i])
         if root == i:
             labels[i] = count
             size[count] = size[i]

@@ -694,7 +694,9 @@ class _Cells:
     """Cells as large as the reach: what a point could find lies in its own or one of the 26 around it."""
 
     def __init__(self, points: FloatArray, reach: float) -> None:
-        place = np.floor((points - points.min(axis=0)) / (1.001 * reach)).astype(np.int64) + 1
+        low = points.min(axis=0)
+        side = max(1.001 * reach, float((points.max(axis=0) - low).max()) / 2**20)  # codes fit in 64 bits
+        place = np.floor((points - low) / side).astype(np.int64) + 1
         shape = place.max(axis=0) + 2
         code = (place[:, 0] * shape[1] + place[:, 1]) * shape[2] + place[:, 2]
         self._order = np.argsort(code)

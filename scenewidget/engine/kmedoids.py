@@ -154,8 +154,7 @@ def alternate(
     >>> alternate(np.abs(place[:, None] - place), np.array([0, 1])).labels.tolist()
     [0, 0, 0, 1, 1, 1]
     """
-    labels, medoids, cost, n_iter = _alternate(D, medoids, MAX_ITER, ties == "first")
-    return KMedoidsResult(labels, medoids, float(cost), int(n_iter))
+    return KMedoidsResult(*_run(D, medoids, ties == "first"))
 
 
 def initial_medoids(
@@ -194,7 +193,7 @@ def initial_medoids(
         sample = np.sort(rng.choice(n, size=min(n, max(k, -(-n // 10))), replace=False))
         start = rng.choice(len(sample), size=k, replace=False).astype(np.int32)
         inner = np.ascontiguousarray(D[np.ix_(sample, sample)])
-        return np.asarray(sample[_alternate(inner, start, MAX_ITER, False)[1]], dtype=np.int32)
+        return np.asarray(sample[_run(inner, start, False)[1]], dtype=np.int32)
     if init == "outmost":
         return _outmost(D, k)
     if init == "k-medoids++":
@@ -270,42 +269,45 @@ def _sklearn_extra(D: Any, medoids: IntArray) -> KMedoidsResult:
     return KMedoidsResult(labels, found, cost, int(model.n_iter_))
 
 
-@numba.njit(cache=True, nogil=True)
-def _alternate(D, medoids, max_iter, to_first):  # type: ignore[no-untyped-def]
-    """Assignments and updates in turn, each only where something has changed since the one before."""
+def _run(D: Any, medoids: IntArray, to_first: bool) -> tuple[IntArray, IntArray, float, int]:
+    """Labels, medoids, cost and number of updates: assignments and updates in turn.
+
+    Each looks only where something has changed since the one before.
+    """
     n, k = len(D), len(medoids)
-    medoids = medoids.copy()
-    first = np.zeros(n, dtype=np.int32)
-    nearest = np.empty(n, dtype=D.dtype)
-    labels = np.empty(n, dtype=np.int32)
-    cost = _assign(D, medoids, np.ones(k + 1, dtype=np.bool_), first, nearest, labels)
-    before = np.full(n, -1, dtype=np.int32)
-    bound = np.zeros(n)
-    trial_labels = labels.copy()
+    medoids = np.array(medoids, dtype=np.int32)
+    first, nearest, bound = np.zeros(n, np.int32), np.empty(n, D.dtype), np.zeros(n)
+    labels, trial_labels = np.empty((2, n), np.int32)
+    before = np.full(n, -1, np.int32)
+    scratch, starts = np.empty((4, n), np.int32), np.empty((2, k + 2), np.int64)
+    has_moved = np.ones(k + 1, np.bool_)
+    cost = _assign(D, medoids, has_moved, first, nearest, labels, scratch[0])
     n_iter = 0
-    while n_iter < max_iter:
+    while n_iter < MAX_ITER:
         trial = medoids.copy()
-        _update(D, trial, labels, before, bound, to_first)
-        trial_cost = _assign(D, trial, trial != medoids, first, nearest, trial_labels)
+        _update(D, trial, labels, before, bound, to_first, scratch, starts)
+        has_moved[:k], has_moved[k] = trial != medoids, False
+        trial_cost = _assign(D, trial, has_moved, first, nearest, trial_labels, scratch[0])
         n_iter += 1
         is_lower = trial_cost < cost
         if is_lower or (to_first and trial_cost == cost):
-            cost = trial_cost
-            medoids[:], before[:], labels[:] = trial, labels, trial_labels
+            cost, medoids = trial_cost, trial
+            before, labels, trial_labels = labels, trial_labels, before
         if not is_lower:
             break
-    return labels, medoids, cost, n_iter
+    return labels, medoids, float(cost), n_iter
 
 
+# The kernels below are plain loops over arrays that the caller made: what numpy says shorter takes seconds to
+# compile.
 @numba.njit(cache=True, nogil=True)
-def _assign(D, medoids, has_moved, first, nearest, labels):  # type: ignore[no-untyped-def]
+def _assign(D, medoids, has_moved, first, nearest, labels, lost):  # type: ignore[no-untyped-def]
     """Label of the nearest medoid and the cost; ties go to the first medoid, medoids to themselves.
 
     ``first`` and ``nearest`` hold the first of the nearest medoids and its distance: those of the medoids
     before, on return those of these. Only items whose medoid has moved are compared with all of them.
     """
     n, k = len(D), len(medoids)
-    lost = np.empty(n, dtype=np.int32)
     n_lost = 0
     for i in range(n):
         if has_moved[first[i]]:
@@ -320,16 +322,18 @@ def _assign(D, medoids, has_moved, first, nearest, labels):  # type: ignore[no-u
                     nearest[i] = row[i]
                     first[i] = c
         else:
-            for i in lost[:n_lost]:
+            for e in range(n_lost):
+                i = lost[e]
                 if row[i] < nearest[i] or (row[i] == nearest[i] and c < first[i]):
                     nearest[i] = row[i]
                     first[i] = c
-    labels[:] = first
+    for i in range(n):
+        labels[i] = first[i]
     for c in range(k):
         labels[medoids[c]] = c
     cost = 0.0
     for i in range(n):
-        if np.isinf(nearest[i]):
+        if nearest[i] == np.inf:
             labels[i] = -1
         else:
             cost += np.float64(D[medoids[labels[i]], i])
@@ -337,83 +341,129 @@ def _assign(D, medoids, has_moved, first, nearest, labels):  # type: ignore[no-u
 
 
 @numba.njit(cache=True, nogil=True)
-def _update(D, medoids, labels, before, bound, to_first):  # type: ignore[no-untyped-def]
+def _update(D, medoids, labels, before, bound, to_first, scratch, starts):  # type: ignore[no-untyped-def]
     """Move each medoid to the member with the least sum of distances; of equal ones see `k_medoids`.
 
     ``before`` holds the labels of the update before, after which clusters with the same members need none;
     ``bound`` what each item's sum was then found to be at least, on return what it is now.
     """
-    k = len(medoids)
-    start, members = _members(labels, k)
-    changed = np.flatnonzero(labels != before)
-    is_changed = np.zeros(k, dtype=np.bool_)
-    for i in changed:
-        bound[i] = 0.0
+    n, k = len(D), len(medoids)
+    members, leavers, farthest_first, place = scratch[0], scratch[1], scratch[2], scratch[3]
+    start, left_at = starts[0], starts[1]  # of the members of each cluster, and of those who left it
+    for c in range(k + 2):
+        start[c], left_at[c] = 0, 0
+    for i in range(n):
         if labels[i] >= 0:
-            is_changed[labels[i]] = True
-        if before[i] >= 0:
-            is_changed[before[i]] = True
-    for c in np.flatnonzero(is_changed):
-        group = members[start[c] : start[c + 1]]
-        _carry_over(D, group, changed[labels[changed] == c], changed[before[changed] == c], bound)
-        own = D[medoids[c]][group]
-        farthest_first = group[np.argsort(-own)]  # brings hopeless sums past the best soonest
-        best = 0.0
-        for distance in own:
-            best += np.float64(distance)
-        for i in group:
+            start[labels[i] + 2] += 1
+        if before[i] >= 0 and before[i] != labels[i]:
+            left_at[before[i] + 2] += 1
+    for c in range(2, k + 2):
+        start[c] += start[c - 1]
+        left_at[c] += left_at[c - 1]
+    for i in range(n):
+        if labels[i] >= 0:
+            members[start[labels[i] + 1]] = i
+            start[labels[i] + 1] += 1
+        if before[i] >= 0 and before[i] != labels[i]:
+            leavers[left_at[before[i] + 1]] = i
+            left_at[before[i] + 1] += 1
+    for c in range(k):
+        begin, end = start[c], start[c + 1]
+        n_came = np.int64(0)
+        for e in range(begin, end):
+            n_came += before[members[e]] != c
+        left_from, left_to = left_at[c], left_at[c + 1]
+        if n_came + left_to - left_from == 0:
+            continue
+        _carry_over(
+            D,
+            members,
+            begin,
+            end,
+            before,
+            c,
+            leavers,
+            left_at[c],
+            left_at[c + 1],
+            n_came,
+            farthest_first,
+            bound,
+        )
+        own = D[medoids[c]]
+        best, farthest = 0.0, 0.0
+        for e in range(begin, end):
+            distance = np.float64(own[members[e]])
+            best += distance
+            if distance > farthest:
+                farthest = distance
+        _farthest_first(own, members, begin, end, farthest, farthest_first, place)
+        for e in range(begin, end):
+            i = members[e]
             wins_ties = to_first and i < medoids[c]
             if bound[i] > best or (bound[i] == best and not wins_ties):
                 continue
             row = D[i]
-            total = 0.0
-            for block in range(0, len(group), 32):  # sums only grow: stop once the best is passed
-                for j in farthest_first[block : block + 32]:
-                    total += np.float64(row[j])
+            total, at = 0.0, begin
+            while at < end:  # sums only grow: stop once the best is passed
+                stop = at + 32 if at + 32 < end else end
+                while at < stop:
+                    total += np.float64(row[farthest_first[at]])
+                    at += 1
                 if total * (1.0 - 1e-10) > best:
                     break
             bound[i] = total * (1.0 - 1e-10)
             if bound[i] <= best:
                 total = 0.0
-                for j in group:  # in the order of all other sums, so that equal ones come out equal
-                    total += np.float64(row[j])
+                for at in range(begin, end):  # in one order for all, so that equal ones come out equal
+                    total += np.float64(row[members[at]])
                 if total < best or (wins_ties and total == best):
                     best = total
                     medoids[c] = i
 
 
 @numba.njit(cache=True, nogil=True)
-def _carry_over(D, group, came, left, bound):  # type: ignore[no-untyped-def]
+def _carry_over(  # type: ignore[no-untyped-def]
+    D, members, begin, end, before, cluster, leavers, left_from, left_to, n_came, came, bound
+):
     """Bounds of the members' sums after some have come and some have left, with room for rounding."""
-    if 4 * (len(came) + len(left)) > len(group):
-        bound[group] = 0.0  # as much work as new sums
+    if 4 * (n_came + left_to - left_from) > end - begin:
+        for e in range(begin, end):
+            bound[members[e]] = 0.0  # as much work as new sums
         return
-    is_new = np.zeros(len(group), dtype=np.bool_)
-    is_new[np.searchsorted(group, came)] = True
-    for place, i in enumerate(group):
-        if not is_new[place]:
+    n_came = 0
+    for e in range(begin, end):
+        if before[members[e]] != cluster:
+            came[n_came] = members[e]
+            bound[members[e]] = 0.0
+            n_came += 1
+    for e in range(begin, end):
+        i = members[e]
+        if before[i] == cluster:
             row = D[i]
             more, less = 0.0, 0.0
-            for j in came:
-                more += np.float64(row[j])
-            for j in left:
-                less += np.float64(row[j])
+            for a in range(n_came):
+                more += np.float64(row[came[a]])
+            for a in range(left_from, left_to):
+                less += np.float64(row[leavers[a]])
             bound[i] = (bound[i] + more) * (1.0 - 1e-10) - less * (1.0 + 1e-10)
 
 
 @numba.njit(cache=True, nogil=True)
-def _members(labels, k):  # type: ignore[no-untyped-def]
-    """Members of cluster c, ascending, at start[c] : start[c + 1]."""
-    start = np.zeros(k + 1, dtype=np.int64)
-    for label in labels:
-        if label >= 0:
-            start[label + 1] += 1
-    for c in range(k):
-        start[c + 1] += start[c]
-    members = np.empty(start[k], dtype=np.int32)
-    fill = start[:-1].copy()
-    for i, label in enumerate(labels):
-        if label >= 0:
-            members[fill[label]] = i
-            fill[label] += 1
-    return start, members
+def _farthest_first(own, members, begin, end, farthest, out, count):  # type: ignore[no-untyped-def]
+    """Members roughly by falling distance, which brings hopeless sums past the best soonest."""
+    n_bins = end - begin if end - begin < 64 else 64
+    scale = (n_bins - 0.5) / farthest if 0.0 < farthest < np.inf else 0.0
+    for b in range(n_bins):
+        count[b] = 0
+    for way in range(2):
+        for e in range(end - 1, begin - 1, -1):
+            place = np.float64(own[members[e]]) * scale
+            b = n_bins - 1 - int(place) if place < n_bins else 0
+            if way == 0:
+                count[b] += 1
+            else:
+                count[b] -= 1
+                out[begin + count[b]] = members[e]
+        if way == 0:
+            for b in range(1, n_bins):
+                count[b] += count[b - 1]

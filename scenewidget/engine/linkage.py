@@ -59,9 +59,12 @@ def average_linkage(C: FloatArray, weights: FloatArray, seen: FloatArray | None 
         share = area / area.max()  # products of areas could vanish
         pairs = np.asarray(seen, dtype=np.float64) * (share[:, None] * share[None, :])
         distances[pairs == 0] = 2.0
-    left, right, height = _chain(distances, area.copy(), pairs)
+    ends, height = np.empty((n - 1, 2), np.int64), np.empty(n - 1)
+    _chain(distances, area.copy(), pairs, ends, height, np.arange(n), np.arange(n), np.empty(n, np.int64))
     order = np.argsort(height, kind="stable")
-    return _label(left[order], right[order], height[order])  # type: ignore[no-any-return]
+    tree = np.empty((n - 1, 4))
+    _label(ends[order], height[order], np.arange(2 * n - 1), np.ones(2 * n - 1), tree)
+    return tree
 
 
 def cut_tree(tree: FloatArray, *, n_clusters: int | None = None, similarity: float | None = None) -> IntArray:
@@ -119,17 +122,14 @@ def _symmetrise(D):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, nogil=True)
-def _chain(D, area, pairs):  # type: ignore[no-untyped-def]
-    """Merges by nearest-neighbour chains; D and ``pairs``, the mass of what was seen, are overwritten."""
+def _chain(D, area, pairs, ends, height, alive, place, chain):  # type: ignore[no-untyped-def]
+    """Merges by nearest-neighbour chains; D and ``pairs``, the mass of what was seen, are overwritten.
+
+    ``alive`` holds the active clusters, compacted as they vanish, ``place`` where each stands there.
+    """
     n = len(area)
     is_partial = len(pairs) > 0
-    left = np.empty(n - 1, dtype=np.int64)
-    right = np.empty(n - 1, dtype=np.int64)
-    height = np.empty(n - 1)
-    alive = np.arange(n)  # active clusters, compacted as they vanish
     n_alive = n
-    place = np.arange(n)
-    chain = np.empty(n, dtype=np.int64)
     length = 0
     for step in range(n - 1):
         if length == 0:
@@ -151,7 +151,7 @@ def _chain(D, area, pairs):  # type: ignore[no-untyped-def]
             chain[length] = y
             length += 1
         length -= 2
-        left[step], right[step], height[step] = min(x, y), max(x, y), best
+        ends[step, 0], ends[step, 1], height[step] = x, y, best
         total = area[x] + area[y]
         for i in range(n_alive):
             z = alive[i]
@@ -166,25 +166,24 @@ def _chain(D, area, pairs):  # type: ignore[no-untyped-def]
                     d = (area[x] * D[x, z] + area[y] * D[y, z]) / total
                 # a mean lies between what it is of; where rounding puts it beside, the chain may come back
                 # to where it was, grow past its end and overwrite memory
-                d = min(max(d, min(D[x, z], D[y, z])), max(D[x, z], D[y, z]))
+                low, high = D[x, z], D[y, z]
+                if low > high:
+                    low, high = high, low
+                d = low if d < low else high if d > high else d
                 D[y, z] = d
                 D[z, y] = d
         area[y] = total
         n_alive -= 1
         alive[place[x]] = alive[n_alive]
         place[alive[n_alive]] = place[x]
-    return left, right, height
 
 
 @numba.njit(cache=True, nogil=True)
-def _label(left, right, height):  # type: ignore[no-untyped-def]
+def _label(ends, height, parent, size, tree):  # type: ignore[no-untyped-def]
     """From representatives, in order of height, to scipy's cluster numbers."""
-    n = len(left) + 1
-    parent = np.arange(2 * n - 1)
-    size = np.ones(2 * n - 1)
-    tree = np.empty((n - 1, 4))
+    n = len(ends) + 1
     for step in range(n - 1):
-        a, b = left[step], right[step]
+        a, b = ends[step, 0], ends[step, 1]
         while parent[a] != a:
             parent[a] = parent[parent[a]]
             a = parent[a]
@@ -192,8 +191,9 @@ def _label(left, right, height):  # type: ignore[no-untyped-def]
             parent[b] = parent[parent[b]]
             b = parent[b]
         new = n + step
-        parent[a] = parent[b] = new
+        parent[a], parent[b] = new, new
         size[new] = size[a] + size[b]
-        tree[step, 0], tree[step, 1] = min(a, b), max(a, b)
+        if b < a:
+            a, b = b, a
+        tree[step, 0], tree[step, 1] = a, b
         tree[step, 2], tree[step, 3] = height[step], size[new]
-    return tree

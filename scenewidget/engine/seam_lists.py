@@ -1,4 +1,7 @@
-"""Lists of the seams of each region, from which a seam is taken in constant time: for region merging.
+"""Regions joined along their seams, one pair after the other, the surest first.
+
+Goes in: a graph of regions and the sums along its seams. Comes out: which regions are one. What counts as
+sure is up to those who call it: `felzenszwalb` and `region_merging`.
 
 Each seam is in the lists of both its ends, as entry 2 s in that of its first and 2 s + 1 in that of its
 second end. ``head`` has the first entry of each region, −1 for none; ``after`` and ``before`` link entries.
@@ -7,8 +10,202 @@ second end. ``head`` has the first entry of each region, −1 for none; ``after`
 from __future__ import annotations
 
 import numba
+import numpy as np
 
-__all__ = ["insert", "remove"]
+from scenewidget.engine.mesh import FloatArray, IntArray
+
+__all__ = ["insert", "joined_along_seams", "remove"]
+
+
+def joined_along_seams(
+    pairs: IntArray,
+    sums: FloatArray,
+    n_signed: int,
+    lengths: FloatArray,
+    limits: FloatArray,
+    *,
+    doubt: float = 0.0,
+    sizes: FloatArray | None = None,
+    threshold: float = 0.0,
+) -> IntArray:
+    """(n_regions,) the root of each region after joining two by two, the seam of least mean first.
+
+    The mean along a seam is the largest of its sums, without its sign, over its length. Sums and lengths add
+    up as seams become one. Two regions are joined while the mean is at most the limit of both.
+
+    Parameters
+    ----------
+    pairs : (n_pairs, 2) int
+        Neighbouring regions, each pair once.
+    sums : (n_pairs, n_values) float
+    n_signed : int
+        The first so many values go from the first to the second end: seen from there they have another sign.
+    lengths : (n_pairs,) float
+    limits : (n_regions,) float
+    doubt : float
+        A seam of length n comes as if its mean were so much / √n higher.
+    sizes : (n_regions,) float, optional
+        With it, the limit of what was joined at a mean w is ``w + threshold / size``.
+    threshold : float
+
+    Notes
+    -----
+    Equal means are taken in the order of the pairs; with a ``doubt`` by the numbers of the two regions, that
+    with more seams first, and in the order of the pairs at first.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.seam_lists import joined_along_seams
+    >>> pairs = np.array([[0, 1], [1, 2]])
+    >>> joined_along_seams(pairs, np.array([[0.2], [3.0]]), 1, np.ones(2), np.ones(3)).tolist()
+    [1, 1, 2]
+    """
+    n, m = len(limits), len(pairs)
+    roots = np.arange(n)
+    ends = np.array(pairs, dtype=np.int64, order="C")
+    sums, lengths = np.array(sums, np.float64, order="C"), np.array(lengths, np.float64)
+    size, limits = np.array([] if sizes is None else sizes, np.float64), np.array(limits, np.float64)
+    _join(
+        roots, ends, sums, n_signed, lengths, limits, float(doubt), size, float(threshold),
+        np.full(n, -1), np.full((2, 2 * m), -1), np.zeros(n, np.int64), np.full(n, -1),
+        np.full((2, m), -1), np.empty((2, m)), np.zeros((m, 2), np.int64),
+    )  # fmt: skip
+    while not np.array_equal(roots, roots[roots]):
+        roots = roots[roots]
+    return roots
+
+
+# The kernels below are plain loops over arrays that the caller made: what numpy says shorter takes seconds to
+# compile.
+@numba.njit(cache=True, nogil=True)
+def _join(  # type: ignore[no-untyped-def]
+    parent, ends, sums, n_signed, length, limit, doubt, size, threshold,
+    head, links, degree, seam_to, heap, weight, key,
+):  # fmt: skip
+    """Sets the parent of each region that is joined to another; all that it gets is overwritten.
+
+    ``heap[0]`` holds seams, ordered by ``weight[1]``, then by ``key``, and ``heap[1]`` the place of each
+    there, −1 for one that waits until it changes; ``weight[0]`` are the means.
+    """
+    m, n_values = sums.shape
+    after, before = links[0], links[1]
+    n_heap = np.int64(0)
+    for s in range(m):
+        for side in range(2):
+            insert(head, after, before, ends[s, side], 2 * s + side)
+            degree[ends[s, side]] += 1
+        n_heap = _rank(s, ends[s, 0], ends[s, 1], sums, length, doubt, heap, n_heap, weight, key)
+    while n_heap > 0:
+        s = heap[0, 0]
+        n_heap = _drop(s, heap, n_heap, weight[1], key)
+        w, i, j = weight[0, s], ends[s, 0], ends[s, 1]
+        if w > limit[i] or w > limit[j]:
+            continue
+        if degree[i] < degree[j]:
+            i, j = j, i
+        parent[j] = i
+        if len(size) > 0:
+            size[i] += size[j]
+            limit[i] = w + (threshold / size[i] if size[i] > 0 else np.inf)
+        for side in range(2):
+            remove(head, after, before, ends[s, side], 2 * s + side)
+            degree[ends[s, side]] -= 1
+        entry = head[i]
+        while entry >= 0:
+            seam_to[ends[entry // 2, 1 - entry % 2]] = entry // 2
+            entry = after[entry]
+        entry = head[j]
+        while entry >= 0:
+            s, side, following = entry // 2, entry % 2, after[entry]
+            k = ends[s, 1 - side]
+            old = seam_to[k]
+            if old >= 0:
+                sign = 1.0 if (ends[old, 0] == i) == (side == 0) else -1.0  # both from i to k
+                for v in range(n_values):
+                    sums[old, v] += sign * sums[s, v] if v < n_signed else sums[s, v]
+                length[old] += length[s]
+                if heap[1, s] >= 0:
+                    n_heap = _drop(s, heap, n_heap, weight[1], key)
+                remove(head, after, before, k, 2 * s + 1 - side)
+                degree[k] -= 1
+                s = old
+            else:
+                ends[s, side] = i
+                insert(head, after, before, i, entry)
+                degree[i] += 1
+            n_heap = _rank(s, i, k, sums, length, doubt, heap, n_heap, weight, key)
+            entry = following
+        entry = head[i]
+        while entry >= 0:
+            s, k = entry // 2, ends[entry // 2, 1 - entry % 2]
+            seam_to[k] = -1
+            if len(size) > 0 and heap[1, s] < 0 and weight[0, s] <= limit[i]:
+                n_heap = _rank(s, i, k, sums, length, doubt, heap, n_heap, weight, key)
+            entry = after[entry]
+
+
+@numba.njit(cache=True, nogil=True)
+def _rank(s, i, k, sums, length, doubt, heap, n_heap, weight, key):  # type: ignore[no-untyped-def]
+    """Weigh a seam from i to k anew and put it where it belongs in the heap; how many are in it then."""
+    most = 0.0
+    for v in range(sums.shape[1]):
+        if abs(sums[s, v]) > most:
+            most = abs(sums[s, v])
+    weight[0, s] = most / length[s]
+    weight[1, s] = weight[0, s]
+    if doubt > 0.0:
+        weight[1, s] += doubt / length[s] ** 0.5
+        key[s, 0], key[s, 1] = i, k
+    if heap[1, s] < 0:
+        heap[1, s] = n_heap
+        n_heap += 1
+    _settle(s, heap, n_heap, weight[1], key)
+    return n_heap
+
+
+@numba.njit(cache=True, nogil=True)
+def _drop(s, heap, n_heap, weight, key):  # type: ignore[no-untyped-def]
+    """Take a seam out of the heap; how many are in it then."""
+    n_heap -= 1
+    last = heap[0, n_heap]
+    if last != s:
+        heap[1, last] = heap[1, s]
+        _settle(last, heap, n_heap, weight, key)
+    heap[1, s] = -1
+    return n_heap
+
+
+@numba.njit(cache=True, nogil=True)
+def _settle(s, heap, n_heap, weight, key):  # type: ignore[no-untyped-def]
+    """Move a seam from its place in the heap up, or else down, to where it belongs."""
+    at = heap[1, s]
+    while at > 0 and _is_before(s, heap[0, (at - 1) // 2], weight, key):
+        heap[0, at] = heap[0, (at - 1) // 2]
+        heap[1, heap[0, at]] = at
+        at = (at - 1) // 2
+    below = 2 * at + 1
+    while below < n_heap:
+        if below + 1 < n_heap and _is_before(heap[0, below + 1], heap[0, below], weight, key):
+            below += 1
+        if not _is_before(heap[0, below], s, weight, key):
+            break
+        heap[0, at] = heap[0, below]
+        heap[1, heap[0, at]] = at
+        at = below
+        below = 2 * at + 1
+    heap[0, at], heap[1, s] = s, at
+
+
+@numba.njit(cache=True, nogil=True)
+def _is_before(s, t, weight, key):  # type: ignore[no-untyped-def]
+    if weight[s] != weight[t]:
+        return weight[s] < weight[t]
+    if key[s, 0] != key[t, 0]:
+        return key[s, 0] < key[t, 0]
+    if key[s, 1] != key[t, 1]:
+        return key[s, 1] < key[t, 1]
+    return s < t
 
 
 @numba.njit(cache=True, nogil=True)

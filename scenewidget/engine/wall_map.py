@@ -160,7 +160,8 @@ def _points(items: Items, members: IntArray, values: FloatArray | None) -> _Poin
     _, axes = np.linalg.eigh((area[:, None] * position).T @ position)
     foot = np.ascontiguousarray(axes[:, 1:].T @ position.T)
     heights = (position @ axes[:, 0])[None]  # either side may be up
-    return _Points(foot, heights if values is None else values[:, faces], area, items.item_of_face[faces])
+    values = np.ascontiguousarray(heights if values is None else values[:, faces])
+    return _Points(foot, values, area, items.item_of_face[faces])
 
 
 def _value_map(points: _Points, cell: float, shift: tuple[float, float]) -> _ValueMap:
@@ -169,21 +170,21 @@ def _value_map(points: _Points, cell: float, shift: tuple[float, float]) -> _Val
     most = np.floor(points.foot.max(axis=1) / cell + shift) + offset
     shape = (int(most[1]) + MARGIN + 1, int(most[0]) + MARGIN + 1)
     across, along = np.asarray(shift) + offset
-    return _ValueMap(
-        *_rasterised(points.foot, points.values, points.area, points.item, cell, across, along, shape)
-    )
+    weight, most, part = np.zeros((3, *shape))
+    sums, winner = np.zeros((len(points.values), *shape)), np.full(shape, -1, np.int32)
+    columns, rows = (np.floor(points.foot / cell + [[across], [along]])).astype(np.int32)
+    _rasterise(rows, columns, points.values, points.area, points.item, weight, sums, winner, most, part)
+    return _ValueMap(weight, sums, winner)
 
 
 @numba.njit(cache=True, nogil=True)
-def _rasterised(foot, values, area, item, cell, across, along, shape):  # type: ignore[no-untyped-def]
-    """Weight, weight times values, and the item with most of each cell, the lowest of equals."""
-    weight, sums = np.zeros(shape), np.zeros((len(values), *shape))
-    winner, most = np.full(shape, -1, np.int32), np.zeros(shape)
-    part = np.zeros(shape)  # of the item at hand
-    rows, columns = np.empty(len(item), np.int32), np.empty(len(item), np.int32)
-    for f in range(len(item)):
-        columns[f] = int(np.floor(foot[0, f] / cell + across))
-        rows[f] = int(np.floor(foot[1, f] / cell + along))
+def _rasterise(  # type: ignore[no-untyped-def]
+    rows, columns, values, area, item, weight, sums, winner, most, part
+):
+    """Weight, weight times values, and the item with most of each cell, the lowest of equals.
+
+    ``most`` is how much that is, ``part`` how much the item at hand has, both zero to begin with.
+    """
     begin = 0
     while begin < len(item):
         end = begin
@@ -202,7 +203,6 @@ def _rasterised(foot, values, area, item, cell, across, along, shape):  # type: 
         for f in range(begin, end):
             part[rows[f], columns[f]] = 0.0
         begin = end
-    return weight, sums, winner
 
 
 def _without_rims(item: IntArray) -> IntArray:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import graphs
 
-from scenewidget.engine.felzenszwalb import join_light_edges
+from scenewidget.engine.felzenszwalb import join_along_seams, join_light_edges
 
 
 def by_the_paper(n, pairs, weights, c, min_size, sizes):
@@ -79,3 +79,33 @@ def test_no_edges_no_pieces():
 def test_a_bad_threshold_is_refused(threshold):
     with pytest.raises(ValueError, match="threshold must be at least 0"):
         join_light_edges(2, np.array([[0, 1]]), np.ones(1), threshold=threshold)
+
+
+def by_whole_seams(n, pairs, weights, lengths, c, sizes):
+    """Pieces after joining the two of least mean weight again and again, while that is light for both."""
+    home, limit = np.arange(n), {i: c / sizes[i] for i in range(n)}
+    while True:
+        best = (np.inf, -1, -1)
+        for a, b in {tuple(sorted(e)) for e in home[pairs].tolist() if e[0] != e[1]}:
+            along = (np.sort(home[pairs], axis=1) == (a, b)).all(axis=1)
+            w = (weights * lengths)[along].sum() / lengths[along].sum()
+            if w <= min(limit[a], limit[b]):
+                best = min(best, (w, a, b))
+        if best[1] < 0:
+            return home
+        w, a, b = best
+        home[home == b] = a
+        limit[a] = w + c / sizes[home == a].sum()
+
+
+@given(graphs(), st.floats(0, 2))
+def test_pieces_along_seams_are_those_of_the_definition(graph, c):
+    n, pairs, _ = graph
+    pairs = np.unique(np.sort(pairs, axis=1), axis=0)
+    pairs = pairs[pairs[:, 0] < pairs[:, 1]]
+    rng = np.random.default_rng(n + len(pairs))
+    weights, lengths = rng.random((2, len(pairs))) + 0.01
+    sizes = rng.random(n) + 0.1
+    labels = join_along_seams(pairs, weights, lengths, threshold=c, sizes=sizes)
+    expected = by_whole_seams(n, pairs, weights, lengths, c, sizes)
+    np.testing.assert_array_equal(labels[:, None] == labels, expected[:, None] == expected)
