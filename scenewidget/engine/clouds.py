@@ -273,6 +273,7 @@ class PointCloud(Mesh):
         pairs = np.stack([code // self.n_faces, code % self.n_faces], axis=1).astype(np.int32)
         return np.asarray(pairs[pairs[:, 0] != pairs[:, 1]])
 
+    @cached_property
     def _adjacency(self) -> IntArray:
         pairs = self._near_pairs()
         i, j = pairs.T

@@ -411,8 +411,9 @@ def superfacet_items(
     order = geometric_order(mesh)
     place = np.empty(mesh.n_faces, dtype=np.int32)
     place[order] = np.arange(mesh.n_faces, dtype=np.int32)
-    pairs = np.sort(place[pairs], axis=1)
-    pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+    one, other = place[pairs.T].astype(np.int64)
+    code = np.sort(np.minimum(one, other) * mesh.n_faces + np.maximum(one, other))
+    pairs = np.stack([code // mesh.n_faces, code % mesh.n_faces], axis=1).astype(np.int32)
     ordered = mesh.chosen(order)
     whole = scene_scale(total) if scale == "auto" else float(scale)
     island = monitor.call(far_apart, ordered, pairs, apart * whole)
@@ -512,7 +513,7 @@ def _superfacets(
     links = np.concatenate([pairs, bridges])
     steps = normals[links[:, 0]] - normals[links[:, 1]]
     weights = 0.5 * np.einsum("ij,ij->i", steps, steps)  # 1 − N_i·N_j, whose digits float32 would lose
-    order = monitor.call(np.argsort, weights, kind="stable")
+    order = monitor.call(_ascending, weights)
     monitor.tick(0.7)
     areas, smallest = mesh.face_areas, min(item_area, float(mesh.face_areas.sum()) / FEWEST_ITEMS)
     grown = monitor.call(
@@ -540,6 +541,14 @@ def _superfacets(
         "bridges between fragments": len(bridges),
     }
     return _Superfacets(item, face_map, normals, links, report)
+
+
+def _ascending(weights: FloatArray) -> IntArray:
+    """``np.argsort(weights, kind="stable")`` of float32 ≥ 0: bits of such numbers are in their order."""
+    key = weights.view(np.uint32).astype(np.uint64) << np.uint64(32)
+    key |= np.arange(len(weights), dtype=np.uint64)
+    key.sort()
+    return (key & np.uint64(0xFFFFFFFF)).astype(np.int64)
 
 
 def patch_items(

@@ -188,8 +188,9 @@ class Mesh:
         used, corners = np.unique(self.faces[faces], return_inverse=True)
         return Mesh(self.vertices[used], corners.reshape(-1, 3))
 
+    @cached_property
     def _adjacency(self) -> IntArray:
-        return _shared_edges(self)
+        return _read_only(_shared_edges(self))
 
     @cached_property
     def _welded(self) -> IntArray:
@@ -270,7 +271,7 @@ def _color_array(value: Any, n_vertices: int) -> npt.NDArray[np.uint8]:
 
 
 def face_adjacency(mesh: Mesh) -> IntArray:
-    """Pairs of faces that share an edge.
+    """Pairs of faces that share an edge; found once a mesh, and read-only.
 
     Vertices at exactly the same position count as one, so a mesh whose triangles carry corners of their
     own (STL, texture seams) is as connected as it looks. An edge with more than two faces (non-manifold)
@@ -289,7 +290,7 @@ def face_adjacency(mesh: Mesh) -> IntArray:
     >>> face_adjacency(square(1)).tolist()
     [[0, 1]]
     """
-    return mesh._adjacency()
+    return mesh._adjacency
 
 
 def _shared_edges(mesh: Mesh) -> IntArray:

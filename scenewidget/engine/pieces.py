@@ -179,8 +179,7 @@ def _crosses(piece: IntArray, face_pairs: IntArray) -> BoolArray:
 
 def _edge_lengths(mesh: Mesh, face_pairs: IntArray) -> FloatArray:
     """(n,) length of the edge that two faces share, metres."""
-    corners = mesh.vertices[mesh.faces]
-    one, other = corners[face_pairs[:, 0]], corners[face_pairs[:, 1]]
+    one, other = (mesh.vertices[mesh.faces[side]] for side in face_pairs.T)
     shared = (one[:, :, None] == other[:, None]).all(axis=3).any(axis=2)
     out = np.zeros(len(face_pairs))
     for k in range(3):
