@@ -96,23 +96,43 @@ STATE = """root => ({
 })"""
 IS_IDLE = """() => window.jupyterapp?.shell.currentWidget?.context?.sessionContext
     ?.session?.kernel?.status === 'idle'"""
-OPEN = """async path => {
+# In a kernel that another notebook has left, if there is one; it is told where it is now.
+OPEN = """async ([path, id, home]) => {
     await window.jupyterapp.restored;
-    const { context } = await window.jupyterapp.commands.execute("docmanager:open", { path });
+    const kernel = id === null ? {} : { kernel: { id, name: "python3" } };
+    const { context } = await window.jupyterapp.commands.execute("docmanager:open", { path, ...kernel });
     await context.ready;
     await context.sessionContext.ready;
+    const code = `__import__("os").chdir(${JSON.stringify(home)})`;
+    if (id !== null) await context.sessionContext.session.kernel.requestExecute({ code, silent: true }).done;
 }"""
-LEAVE = """async () => {
+# Closes the notebook; the kernel forgets all that it knows, if it can be reached, or ends.
+LEAVE = """async forget => {
     const { shell, commands, serviceManager } = window.jupyterapp;
     const { context } = shell.currentWidget;
     const { session } = context.sessionContext;
     context.model.dirty = false;  // or it would ask whether to save
+    let kernel = null;
+    if (forget && session?.kernel?.status === "idle") {
+        const request = { code: "", silent: true, user_expressions: { rest: forget } };
+        const late = new Promise(resolve => setTimeout(resolve, 5000));
+        const reply = await Promise.race([session.kernel.requestExecute(request).done, late]);
+        const isClean = reply?.content.user_expressions?.rest?.data?.["text/plain"] === "True";
+        if (isClean) kernel = session.kernel.id;
+    }
     await commands.execute("application:close-all");
     const isTidy = () => document.querySelector(".jp-Notebook, .scenewidget, .jp-Dialog") === null;
     for (let frame = 0; frame < 100 && !isTidy(); frame++) await new Promise(requestAnimationFrame);
-    if (session) await serviceManager.sessions.shutdown(session.id);  // now that nothing looks at it any more
-    return isTidy();
+    if (session && kernel === null) await serviceManager.sessions.shutdown(session.id);
+    return [isTidy(), kernel];
 }"""
+# As after a start, but for what is imported and compiled; whether nothing is left that could act by itself.
+FORGET = """[
+    __import__("ipywidgets").Widget.close_all(),
+    get_ipython().reset(new_session=True),
+    __import__("gc").collect(),
+    all(t is __import__("threading").main_thread() or t.daemon for t in __import__("threading").enumerate()),
+][-1]"""
 HAS_CELLS = """() => {
     const { content } = window.jupyterapp.shell.currentWidget;
     return content.widgets.length > 0 && content.widgets.length === content.model.cells.length;
@@ -278,13 +298,24 @@ def free_pages() -> list[Any]:
     return []
 
 
+@pytest.fixture(scope="session")
+def free_kernels() -> list[str]:
+    """Kernels that know nothing any more and belong to no open notebook: the imports take longest."""
+    return []
+
+
 @pytest.fixture
 def notebook(
-    jupyter: Server, profile: Any, free_pages: list[Any], request: pytest.FixtureRequest
+    jupyter: Server,
+    profile: Any,
+    free_pages: list[Any],
+    free_kernels: list[str],
+    request: pytest.FixtureRequest,
 ) -> Iterator[Callable[..., Notebook]]:
-    """Opens notebooks: `notebook(["cell", ...], width=1100, height=900)`; closes them and their kernels.
+    """Opens notebooks: `notebook(["cell", ...], width=1100, height=900)`; closes them.
 
-    In place of cells, it takes the path of a notebook and opens a copy.
+    In place of cells, it takes the path of a notebook and opens a copy, in a kernel of its own. Cells run
+    in a kernel that has seen other cells, but forgot them.
     """
     opened: list[Notebook] = []
 
@@ -295,12 +326,12 @@ def notebook(
         page.mouse.move(0, 0)
         book = Notebook(page, jupyter)
         opened.append(book)
-        book.open(cells)
+        book.open(cells, free_kernels)
         return book
 
     yield open_notebook
     for book in opened:
-        if not request.node.stash[HAS_FAILED] and book.leave():
+        if not request.node.stash[HAS_FAILED] and book.leave(free_kernels):
             free_pages.append(book.page)
         else:
             book.close()
@@ -361,12 +392,16 @@ class Notebook:
     page: Any
     server: Server
     errors: list[str] = field(default_factory=list)
+    keeps_kernel: bool = False
+    folder: Path = Path()
 
-    def open(self, cells: list[str] | Path) -> None:
+    def open(self, cells: list[str] | Path, free_kernels: list[str] | None = None) -> None:
         """Write the cells into a file, or copy one with what it reads; open it, until its kernel answers."""
+        self.keeps_kernel = free_kernels is not None and not isinstance(cells, Path)
         name = f"{secrets.token_hex(4)}/test.ipynb"  # in a folder of its own: edits are saved beside it
         path = self.server.folder / name
-        path.parent.mkdir()
+        self.folder = path.parent
+        self.folder.mkdir()
         if isinstance(cells, Path):
             others = shutil.ignore_patterns("*.ipynb", ".*")
             shutil.copytree(cells.parent, path.parent, ignore=others, dirs_exist_ok=True)
@@ -375,7 +410,8 @@ class Notebook:
             path.write_text(json.dumps(notebook_of(cells)))
         self.errors = errors_of(self.page)
         if self.page.evaluate("() => 'jupyterapp' in window"):
-            self.page.evaluate(OPEN, name)
+            kernel = free_kernels.pop() if self.keeps_kernel and free_kernels else None
+            self.page.evaluate(OPEN, [name, kernel, str(self.folder)])
         else:
             self.page.goto(self.address(name))
         self.page.wait_for_function(IS_IDLE)
@@ -398,6 +434,7 @@ class Notebook:
         )
         self.page.evaluate("() => window.unanswered.clear()")  # the kernel that is gone answers no more
         self.page.wait_for_function(IS_IDLE)
+        self.execute(f"import os; os.chdir({str(self.folder)!r})")  # where the server started it, was another
 
     def evaluate(self, expression: str) -> str:
         """`repr` of a Python expression in the kernel, once it has taken what was done on the page.
@@ -447,10 +484,13 @@ class Notebook:
         counts = self.page.evaluate(EXECUTION_COUNTS)
         return f"there is no such view; cells {counts}, on the page: {shown}, in the console: {self.errors}"
 
-    def leave(self) -> bool:
-        """End the kernel and close the notebook; whether the page is fit for another one."""
-        is_shown = self.page.evaluate("() => Boolean(window.jupyterapp?.shell.currentWidget)")
-        return is_shown and self.page.evaluate(LEAVE)
+    def leave(self, free_kernels: list[str]) -> bool:
+        """Close the notebook, end its kernel or keep it; whether the page is fit for another one."""
+        if not self.page.evaluate("() => Boolean(window.jupyterapp?.shell.currentWidget)"):
+            return False
+        is_tidy, kernel = self.page.evaluate(LEAVE, FORGET if self.keeps_kernel else None)
+        free_kernels += [kernel] if kernel else []
+        return is_tidy
 
     def close(self) -> None:
         """End the kernel and the page."""
