@@ -52,7 +52,7 @@ def best_by_trying(segmentation: sw.Segmentation, edits: list, truth: np.ndarray
 
 
 @given(scenes())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=8, deadline=None)
 def test_each_edit_is_the_best_of_all_that_the_session_can_do(scene):
     segmentation, truth = scene
     correction = simulate_annotator(segmentation, truth, target=0.0, most=4)

@@ -26,9 +26,8 @@ def turned(mesh: Mesh, up: str) -> Mesh:
     return Mesh(mesh.vertices @ np.stack([x, np.cross(z, x), z]), mesh.faces)
 
 
-@pytest.mark.parametrize("up", AXES)
-def test_rooms_are_upright_whichever_axis_is_up(rooms, up):
-    assert [up_vector("auto", turned(room, up)) for room in rooms] == [AXES[up]] * len(rooms)
+def test_rooms_are_upright_whichever_axis_is_up(rooms):
+    assert [up_vector("auto", turned(room, up)) for room, up in zip(rooms, AXES)] == list(AXES.values())
 
 
 def test_what_does_not_tell_takes_z():
