@@ -16,7 +16,7 @@ from scenewidget.engine.units import likely_unit
 
 @pytest.fixture(scope="module")
 def rooms():
-    return [datasets.simulate_room(seed=seed, voxel=0.08)[0] for seed in range(5)]
+    return [datasets.simulate_room(seed=seed, voxel=0.08)[0] for seed in range(3)]
 
 
 def flipped(mesh):
@@ -50,7 +50,7 @@ def closet(size=(1.5, 1.8, 2.7)):
 @pytest.mark.parametrize("seed", range(5))
 def test_up_is_found_in_any_direction(rooms, seed):
     turn = Rotation.random(random_state=seed).as_matrix()
-    room = rooms[seed]
+    room = rooms[seed % 3]
     found = up_direction(Mesh(room.vertices @ turn.T + [40, 50, 60], room.faces))
     assert found @ turn @ [0, 0, 1] > np.cos(np.radians(3))
 
