@@ -1,9 +1,11 @@
 """Damage files of every format in ways that keep their structure, and see what the readers say.
 
-    python tests/benchmarks/fuzz_readers.py [seconds a format]
+    python tests/benchmarks/fuzz_readers.py [seconds a format] [format ...]
 
-Prints a row a format: files read, files refused, the slowest, and whatever else came out than a scan,
-`MeshError` or `OSError`. Numbers in headers and JSON become others, parts are cut, doubled and swapped.
+Prints a row a format: files read, files refused, the slowest, and whatever else came out than a scan or
+labels, `MeshError`, `FormatError`, `TypeError` or `OSError`. Numbers in headers and JSON become others, parts
+are cut, doubled and swapped; of compressed formats and pictures also what is inside. Formats named
+"labels …" are read by `import_labels`.
 """
 
 from __future__ import annotations
@@ -24,6 +26,8 @@ import numpy as np
 import trimesh
 from PIL import Image
 
+import scenewidget as sw
+from scenewidget.editing.formats import FormatError
 from scenewidget.engine.mesh import MeshError
 from scenewidget.engine.readers import load
 
@@ -66,11 +70,24 @@ def seeds() -> dict[str, list[bytes]]:
         (head + "binary\n").encode() + table.tobytes(),
         (head + "binary_compressed\n").encode() + struct.pack("<2I", len(packed), len(flat)) + packed,
     ]
-    out["xyz"] = ["\n".join(" ".join(map(str, p)) for p in points.tolist()).encode()]
+    lines = [" ".join(map(str, p)) for p in points.tolist()]
+    out["xyz"] = ["\n".join(lines).encode(), "\n".join(f"{line} 9 8 7" for line in lines).encode()]
+    out["pts"] = [f"{len(lines)}\n{chr(10).join(f'{line} -5 9 8 7' for line in lines)}\n".encode()]
     out["csv"] = [b"x,y,z\n" + "\n".join(",".join(map(str, p)) for p in points.tolist()).encode()]
+    out["ply"] += [textured_ply(box, uv), box_of_points(points, ">"), mixed_polygons()]
+    out["png"], out["jpg"] = [picture.getvalue()], [photograph()]
+    out |= labels_of(box)
+    try:
+        import DracoPy
+    except ImportError:
+        print("DracoPy is not installed: compressed GLB left out")
+    else:
+        packed = DracoPy.encode(box.vertices.astype(np.float32), box.faces.astype(np.uint32))
+        out["draco"] = [draco_glb(packed, len(box.vertices), len(box.faces))]
     try:
         import laspy
     except ImportError:
+        print("laspy is not installed: LAS and LAZ left out")
         return out
     for suffix in ("las", "laz"):
         las = laspy.create(point_format=3, file_version="1.2")
@@ -78,6 +95,83 @@ def seeds() -> dict[str, list[bytes]]:
         file = io.BytesIO()
         las.write(file, do_compress=suffix == "laz")
         out[suffix] = [file.getvalue()]
+    return out
+
+
+def textured_ply(box: trimesh.Trimesh, uv: np.ndarray) -> bytes:
+    """Texture coordinates at the corners of each face, as MeshLab writes them, binary."""
+    head = f"ply\nformat binary_little_endian 1.0\ncomment TextureFile a.png\nelement vertex {len(uv)}\n"
+    head += "property float x\nproperty float y\nproperty float z\nproperty uchar red\n"
+    head += f"property uchar green\nproperty uchar blue\nelement face {len(box.faces)}\n"
+    head += "property list uchar int vertex_indices\nproperty list uchar float texcoord\n"
+    rows = [struct.pack("<3f3B", *place, 9, 8, 7) for place in box.vertices.tolist()]
+    rows += [struct.pack("<B3iB6f", 3, *f, 6, *uv[f].ravel().tolist()) for f in box.faces.tolist()]
+    return (head + "property int texnumber\nend_header\n").encode() + b"".join(
+        row + (b"" if k < len(uv) else bytes(4)) for k, row in enumerate(rows)
+    )
+
+
+def box_of_points(points: np.ndarray, order: str) -> bytes:
+    """Points without faces, big end first."""
+    head = f"ply\nformat binary_big_endian 1.0\nelement vertex {len(points)}\n"
+    head += "".join(f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz"))
+    return (head + "end_header\n").encode() + np.tile(points, 2).astype(f"{order}f4").tobytes()
+
+
+def mixed_polygons() -> bytes:
+    """Two triangles and a quadrangle, binary."""
+    head = "ply\nformat binary_little_endian 1.0\nelement vertex 6\nproperty double x\nproperty double y\n"
+    head += "property double z\nelement face 3\nproperty list uint8 uint32 vertex_index\nend_header\n"
+    places = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]], "<f8").tobytes()
+    faces = [(0, 1, 2), (0, 2, 3), (1, 4, 5, 2)]
+    return head.encode() + places + b"".join(struct.pack(f"<B{len(f)}I", len(f), *f) for f in faces)
+
+
+def photograph() -> bytes:
+    """A JPEG."""
+    file = io.BytesIO()
+    Image.fromarray(np.random.default_rng(0).integers(0, 255, (16, 16, 3), dtype=np.uint8)).save(file, "jpeg")
+    return file.getvalue()
+
+
+def draco_glb(packed: bytes, n_vertices: int, n_faces: int) -> bytes:
+    """A GLB whose one primitive is compressed."""
+    name = "KHR_draco_mesh_compression"
+    squeezed = {"bufferView": 0, "attributes": {"POSITION": 0}}
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1, "extensions": {name: squeezed}}
+    content = {
+        "asset": {"version": "2.0"}, "extensionsUsed": [name], "extensionsRequired": [name], "scene": 0,
+        "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "meshes": [{"primitives": [primitive]}],
+        "accessors": [{"componentType": 5126, "count": n_vertices, "type": "VEC3"},
+                      {"componentType": 5125, "count": 3 * n_faces, "type": "SCALAR"}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": len(packed)}],
+        "buffers": [{"byteLength": len(packed)}],
+    }  # fmt: skip
+    return glb_of(content, packed + b"\0" * (-len(packed) % 4))
+
+
+def glb_of(content: dict, data: bytes) -> bytes:
+    """A GLB of its two chunks."""
+    text = json.dumps(content).encode()
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<4sIII4s", b"glTF", 2, 28 + len(text) + len(data), len(text), b"JSON")
+    return head + text + struct.pack("<I4s", len(data), b"BIN\0") + data
+
+
+MESH = trimesh.creation.icosphere(1)
+
+
+def labels_of(box: trimesh.Trimesh) -> dict[str, list[bytes]]:
+    """Label files of the same sphere, by "labels " and suffix."""
+    mesh = sw.load_mesh((box.vertices, box.faces))
+    seg = sw.Segmentation.from_labels(mesh, np.arange(mesh.n_faces) % 3, names=["chair", "table", "lamp"])
+    out: dict[str, list[bytes]] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ("a.ply", "a.npz", "a.glb", "a.aggregation.json", "a.xml", "a.npy", "a.txt"):
+            for path in sw.export(seg, mesh, Path(folder) / name, overwrite=True):
+                suffix = "".join(path.suffixes)
+                out.setdefault(f"labels {suffix}", []).append(path.read_bytes())
+    out["labels .label"] = [np.arange(mesh.n_faces, dtype="<u4").tobytes()]
     return out
 
 
@@ -126,42 +220,73 @@ def _other_json(data: bytes, rng: random.Random) -> bytes:
             continue
         place[key] = rng.choice([None, -1, 0, 10**9, 1.5, "x", [], {}, [0], 5126, 7])
         break
-    text = json.dumps(content).encode()
-    text += b" " * (-len(text) % 4)
-    rest = data[20 + size :]
-    return struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON") + text + rest
+    return glb_of(content, data[28 + size :])
 
 
-def main(seconds: float) -> None:
+PARTNERS = {"labels .aggregation.json": "labels .segs.json", "labels .xml": "labels .ply"}
+SCRAP_MTL = b"newmtl m\nKd 1 0.5 0\nmap_Kd -s 1 1 1 -o 0 0 a.png\n"
+
+
+def write_damaged(name: str, files: dict[str, list[bytes]], folder: Path, rng: random.Random) -> Path:
+    """A damaged file of a format, and beside it what it refers to, damaged at times."""
+    if name.startswith("labels"):
+        path = folder / f"a{name.split()[1]}"
+        partner = PARTNERS.get(name)
+        if partner:
+            data = rng.choice(files[partner])
+            (folder / f"a{partner.split()[1]}").write_bytes(
+                data if rng.random() < 0.5 else damaged(data, rng)
+            )
+        path.write_bytes(damaged(rng.choice(files[name]), rng))
+        return path
+    if name in ("png", "jpg"):  # the texture of an OBJ
+        (folder / "a.png").write_bytes(damaged(rng.choice(files[name]), rng))
+        (folder / "a.mtl").write_bytes(SCRAP_MTL)
+        path = folder / "a.obj"
+        path.write_bytes(files["obj"][-1])
+        return path
+    path = folder / f"a.{'glb' if name == 'draco' else name}"
+    path.write_bytes(damaged(rng.choice(files[name]), rng))
+    (folder / "a.png").write_bytes(files["png"][0])
+    (folder / "a.mtl").write_bytes(damaged(SCRAP_MTL, rng))
+    return path
+
+
+def main(seconds: float, only: list[str]) -> None:
     """Fuzz each format for so long."""
-    print(f"{'format':8}{'read':>9}{'refused':>9}{'slowest':>9}{'MB more':>9}  anything else")
-    for suffix, whole in seeds().items():
-        rng, read, refused, slowest, other = random.Random(0), 0, 0, 0.0, {}
+    files = seeds()
+    sphere = sw.load_mesh((MESH.vertices, MESH.faces))
+    print(f"{'format':26}{'read':>9}{'refused':>9}{'slowest':>9}{'MB more':>9}  anything else")
+    for name in only or files:
+        if name not in files:
+            print(f"{name!r} is not among {', '.join(files)}")
+            continue
+        rng, read, refused, slowest, other = random.Random(len(name)), 0, 0, 0.0, {}
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / f"a.{suffix}"
-            library = Path(folder) / "a.mtl"
             end = time.monotonic() + seconds
             while time.monotonic() < end:
-                path.write_bytes(damaged(rng.choice(whole), rng))
-                library.write_bytes(damaged(b"newmtl m\nKd 1 0.5 0\nmap_Kd -s 1 1 1 -o 0 0 a.png\n", rng))
+                path = write_damaged(name, files, Path(folder), rng)
                 start = time.monotonic()
                 try:
                     with warnings.catch_warnings():
                         warnings.simplefilter("ignore")
-                        load(path)
+                        sw.import_labels(sphere, path) if name.startswith("labels") else load(path)
                     read += 1
-                except (MeshError, OSError):
+                except (MeshError, FormatError, TypeError, OSError):
                     refused += 1
                 except BaseException as error:  # what must not happen
                     if isinstance(error, KeyboardInterrupt):
                         raise
-                    name = f"{type(error).__name__}: {error!s:.80}"
-                    other[name] = other.get(name, 0) + 1
+                    what = f"{type(error).__name__}: {error!s:.80}"
+                    if what not in other:
+                        kept = Path(tempfile.gettempdir()) / f"fuzz_{len(other)}_{path.name}"
+                        kept.write_bytes(path.read_bytes())
+                    other[what] = other.get(what, 0) + 1
                 slowest = max(slowest, time.monotonic() - start)
         more = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
-        print(f"{suffix:8}{read:9}{refused:9}{slowest:8.2f}s{more:9.0f}  {other or ''}", flush=True)
+        print(f"{name:26}{read:9}{refused:9}{slowest:8.2f}s{more:9.0f}  {other or ''}", flush=True)
 
 
 if __name__ == "__main__":
-    main(float(sys.argv[1]) if len(sys.argv) > 1 else 300.0)
+    main(float(sys.argv[1]) if len(sys.argv) > 1 else 300.0, sys.argv[2:])

@@ -14,6 +14,7 @@ from scenewidget.engine.readers.scan import Notes, Scan, check_promise, check_si
 __all__ = ["read"]
 
 VLR, EVLR = 54, 60  # bytes that a record takes at least
+LEAST_POINT = 20  # bytes of the smallest point, with which each chunk of a LAZ begins
 
 
 def read(path: Path, notes: Notes) -> Scan:
@@ -25,7 +26,8 @@ def read(path: Path, notes: Notes) -> Scan:
         raise MeshError(
             f'{path.name!r} is LAS or LAZ: `pip install "scenewidget[las]"` lets it be read'
         ) from None
-    las = laspy.read(path)
+    # not by threads: they believe the sizes in the table of chunks, and a forged one ends the process
+    las = laspy.read(path, laz_backend=laspy.LazBackend.Lazrs)
     if len(las.points) == 0:
         raise MeshError(f"{path.name!r} holds no points")
     scan = Scan(np.stack([np.asarray(las[axis], dtype=np.float64) for axis in "xyz"], axis=1))
@@ -53,5 +55,21 @@ def _check(path: Path) -> None:
     check_size(path, "points", count * 32)
     if kind & 0x80:  # compressed: a point takes at least a fraction of a byte
         check_promise(path, "points", count, 1, 64 * max(size - start, 0))
+        _check_chunks(path, start, size)
     else:
-        check_promise(path, "points", count, max(length, 20), max(size - start, 0))
+        check_promise(path, "points", count, max(length, LEAST_POINT), max(size - start, 0))
+
+
+def _check_chunks(path: Path, start: int, size: int) -> None:
+    """Hold the number of chunks against the file: a library that believes it asks for all their memory."""
+    with path.open("rb") as file:
+        file.seek(start)
+        at = int.from_bytes(file.read(8), "little", signed=True)
+        if at == -1:  # written by a program that couldn't go back: it stands at the end
+            file.seek(max(size - 8, 0))
+            at = int.from_bytes(file.read(8), "little", signed=True)
+        if not start <= at <= size - 8:
+            raise MeshError(f"{path.name!r} is damaged or truncated: its table of chunks is not where it says")
+        file.seek(at + 4)
+        n_chunks = int.from_bytes(file.read(4), "little")
+    check_promise(path, "chunks", n_chunks, LEAST_POINT, size - start)
