@@ -127,9 +127,8 @@ class Session:
 
     def __repr__(self) -> str:
         place = f", {self.path.name!r}" if self.path is not None else ""
-        return (
-            f"Session({self.mesh.n_faces} faces, {self.n_segments} segments, {len(self.edits)} edits{place})"
-        )
+        size = f"{self.mesh.n_faces} {self.mesh.noun}s"
+        return f"Session({size}, {self.n_segments} segments, {len(self.edits)} edits{place})"
 
     # --- editing ----------------------------------------------------------------------------------
 

@@ -26,7 +26,6 @@ N_AREA = 8  # neighbours whose disc tells the area of a point
 LARGEST_AREA = 0.995  # quantile at which areas are capped: lonely points would weigh too much
 REACH = 3.0  # median distances of the sixth neighbour, from which on points aren't neighbours
 BACK = -0.3  # cosine of normals below which neighbours are two sides of one thing
-SPLAT = 1.3  # distances of the sixth neighbour: from the middle of a drawn triangle to its corners
 STEP = 100_000  # points whose planes are fitted at once
 
 
@@ -64,6 +63,7 @@ class PointCloud(Mesh):
     """
 
     is_cloud = True
+    noun = "point"
 
     def __init__(
         self,
@@ -167,6 +167,11 @@ class PointCloud(Mesh):
             return np.where(away[:, None], -normals, normals)
         return self._consistent(normals)
 
+    @property
+    def has_sides(self) -> bool:
+        """Whether the sides that normals point to were given; else neighbours agree, and all may be wrong."""
+        return self.given_normals is not None or self.viewpoint is not None  # type: ignore[attr-defined]
+
     @cached_property
     def face_vectors(self) -> FloatArray:
         """(n_points, 3) normals, as long as twice the area."""
@@ -200,25 +205,6 @@ class PointCloud(Mesh):
         faces : (n,) int
         """
         return self.part(faces)
-
-    def splats(self) -> tuple[FloatArray, IntArray]:
-        """Corners (n_points, 3, 3) and faces (n_points, 3) of a triangle at each point, to draw it by.
-
-        They lie in the tangent plane and are so large that they cover what is between the points.
-        """
-        distance = self._near[1]
-        reach = np.full(self.n_faces, 1e-3)
-        if distance.size:
-            near = distance[:, min(N_NEAR, distance.shape[1]) - 1].astype(np.float64)
-            reach = SPLAT * np.minimum(near, REACH * self.spacing)
-        normal = np.where(self.face_areas[:, None] > 0, self.face_normals, (0.0, 0.0, 1.0))
-        normal = np.where(np.abs(normal).sum(axis=1, keepdims=True) > 0, normal, (0.0, 0.0, 1.0))
-        aside = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
-        aside *= (reach / np.linalg.norm(aside, axis=1))[:, None]
-        up = np.cross(normal, aside)
-        turns = [(np.cos(angle), np.sin(angle)) for angle in (0.0, 2 * np.pi / 3, 4 * np.pi / 3)]
-        corners = np.stack([self.points + c * aside + s * up for c, s in turns], axis=1)
-        return corners, np.arange(3 * self.n_faces, dtype=np.int32).reshape(-1, 3)
 
     def _planes(self) -> FloatArray:
         """(n_points, 3) direction in which the neighbours spread least, of either sign."""

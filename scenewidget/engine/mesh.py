@@ -154,6 +154,8 @@ class Mesh:
 
     is_cloud: ClassVar[bool] = False
     """Whether faces are points; see `engine.clouds.PointCloud`."""
+    noun: ClassVar[str] = "face"
+    """What people call a face: of a cloud, a point."""
 
     def __repr__(self) -> str:
         colors = "" if self.vertex_colors is None else ", coloured"

@@ -155,6 +155,8 @@ def warn_of_mixed_winding(mesh: Mesh, pairs: IntArray) -> None:
     >>> str(heard[0].message)[:66]
     'at 100% of the edges the two faces look to different sides of the '
     """
+    if mesh.is_cloud:  # nothing winds
+        return
     sample = pairs[:: max(1, len(pairs) // 50_000)]
     first, second = mesh.vertices[mesh.faces[sample]].transpose(1, 0, 2, 3)
     is_same = (first[:, :, None] == second[:, None]).all(axis=3)  # corner i of one is corner j of the other

@@ -171,7 +171,7 @@ class Segmentation:
         return cls(mesh, dense, names=kept_names, **optional)
 
     def __repr__(self) -> str:
-        shape = f"{self.mesh.n_faces} faces, {self.n_segments} segments"
+        shape = f"{self.mesh.n_faces} {self.mesh.noun}s, {self.n_segments} segments"
         return f"Segmentation({shape}, {self.coverage:.1%} labeled)"
 
     @property

@@ -148,7 +148,7 @@ class Compare(widgets.VBox):
 
     def __repr__(self) -> str:
         numbers = " and ".join(str(segmentation.n_segments) for segmentation in self.segmentations)
-        return f"Compare({self.mesh.n_faces} faces{f', {numbers} segments' if numbers else ''})"
+        return f"Compare({self.mesh.n_faces} {self.mesh.noun}s{f', {numbers} segments' if numbers else ''})"
 
     @property
     def mesh(self) -> Mesh:

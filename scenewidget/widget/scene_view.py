@@ -241,6 +241,10 @@ class SceneView(anywidget.AnyWidget):
     """(n_faces, 3) uint32."""
     _vertex_colors = traitlets.Bytes().tag(sync=True)
     """(n_vertices, 3) uint8; absent where the scan has none."""
+    _areas = traitlets.Bytes().tag(sync=True)
+    """(n_points,) float32 of a cloud, whose faces are its points; absent for a mesh."""
+    _normals = traitlets.Bytes().tag(sync=True)
+    """(n_points, 4) int8 of a cloud, the last 127 where the side is known; absent for a mesh."""
     _face_atom = traitlets.Bytes().tag(sync=True)
     """(n_faces,) uint32."""
     _atom_part = traitlets.Bytes().tag(sync=True)
@@ -329,7 +333,7 @@ class SceneView(anywidget.AnyWidget):
 
     def __repr__(self) -> str:
         segments = f", {self.n_segments} segments" if self._colors.atoms is not None else ""
-        return f"SceneView({self.mesh.n_faces} faces{segments})"
+        return f"SceneView({self.mesh.n_faces} {self.mesh.noun}s{segments})"
 
     # --- segments ---------------------------------------------------------------------------------
 

@@ -178,7 +178,7 @@ class SceneWidget(widgets.VBox):
 
     def __repr__(self) -> str:
         segments = "" if self.segmentation is None else f", {self.segmentation.n_segments} segments"
-        return f"SceneWidget({self.mesh.n_faces} faces{segments})"
+        return f"SceneWidget({self.mesh.n_faces} {self.mesh.noun}s{segments})"
 
     @property
     def session(self) -> Session | None:
@@ -425,7 +425,8 @@ class SceneWidget(widgets.VBox):
         with self._lock:
             self._shown_params = params
             seconds = time.perf_counter() - self._started
-            summary = f"{segmentation.coverage:.1%} of the faces labeled, in {seconds:.1f} s"
+            labeled = f"{segmentation.coverage:.1%} of the {self.mesh.noun}s labeled"
+            summary = f"{labeled}, in {seconds:.1f} s"
             if lost:
                 do = "doesn't" if lost == 1 else "don't"
                 summary += f"; {lost} of your edits {do} apply to it, the history (U) says why"

@@ -90,7 +90,8 @@ def geometry(mesh: Mesh) -> dict[str, npt.NDArray[Any]]:
     """Arrays of the mesh as the browser takes them.
 
     Vertices are float32 around the middle of the faces: an origin far away, as in geographic coordinates,
-    would eat the precision. A point of a cloud is a triangle in its tangent plane.
+    would eat the precision. Of a cloud cross areas and normals, rows of four bytes of which the last says
+    whether their side is known rather than guessed.
 
     Examples
     --------
@@ -100,17 +101,16 @@ def geometry(mesh: Mesh) -> dict[str, npt.NDArray[Any]]:
     (['faces', 'vertices'], dtype('uint32'))
     """
     middle = (mesh.bounds[0] + mesh.bounds[1]) / 2
-    if isinstance(mesh, PointCloud):  # a triangle a point: picking and edits name points by it
-        corners, faces = mesh.splats()
-        drawn: dict[str, npt.NDArray[Any]] = {
-            "vertices": (corners - middle).reshape(-1, 3).astype(np.float32),
-            "faces": faces.astype(np.uint32),
-        }
-        if mesh.vertex_colors is not None:
-            drawn["vertex_colors"] = np.repeat(mesh.vertex_colors, 3, axis=0)
-        return drawn
     vertices = np.where(mesh.is_used[:, None], mesh.vertices - middle, 0.0).astype(np.float32)
-    arrays: dict[str, npt.NDArray[Any]] = {"vertices": vertices, "faces": mesh.faces.astype(np.uint32)}
+    arrays: dict[str, npt.NDArray[Any]] = {"vertices": vertices}
+    if isinstance(mesh, PointCloud):
+        normals = np.zeros((mesh.n_faces, 4), np.int8)
+        normals[:, :3] = np.rint(127 * mesh.face_normals)
+        normals[:, 3] = 127 * mesh.has_sides
+        areas = mesh.face_areas if mesh.spacing > 0 else np.full(mesh.n_faces, 1e-6)
+        arrays |= {"areas": areas.astype(np.float32), "normals": normals}
+    else:
+        arrays["faces"] = mesh.faces.astype(np.uint32)
     if mesh.vertex_colors is not None:
         arrays["vertex_colors"] = mesh.vertex_colors
     return arrays

@@ -9,6 +9,7 @@ from hypothesis.extra import numpy as hnp
 from sent import array
 from shapes import box, grid_square
 
+from scenewidget.engine.clouds import PointCloud
 from scenewidget.engine.mesh import Mesh
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.wire import compact, face_bits, header, unit_codes, unpacked
@@ -29,6 +30,19 @@ def test_unused_vertices_do_not_move_the_middle():
     sent = array(SceneView(stray), "vertices")
     np.testing.assert_allclose(sent[:-1], array(SceneView(mesh), "vertices"))
     np.testing.assert_array_equal(sent[-1], 0)
+
+
+def test_points_cross_with_what_their_discs_need():
+    points = np.random.default_rng(0).random((50, 3)) * (1, 1, 0)
+    sent = SceneView(PointCloud(points, viewpoint=(0.5, 0.5, 2)))
+    assert array(sent, "vertices").shape == (50, 3)
+    np.testing.assert_array_equal(array(sent, "normals"), [[0, 0, 127, 127]] * 50)
+    np.testing.assert_allclose(array(sent, "areas"), PointCloud(points).face_areas, rtol=1e-6)
+    assert "faces" not in sent._headers
+    assert (array(SceneView(PointCloud(points)), "normals")[:, 3] == 0).all()  # their side is a guess
+    assert repr(sent) == "SceneView(50 points)"
+    alone = SceneView(PointCloud([[1.0, 2, 3]]))
+    assert array(alone, "areas")[0] > 0
 
 
 @given(hnp.arrays(st.sampled_from([np.uint8, np.uint32, np.float32]), hnp.array_shapes(min_side=0)))

@@ -69,7 +69,9 @@ def _check_chunks(path: Path, start: int, size: int) -> None:
             file.seek(max(size - 8, 0))
             at = int.from_bytes(file.read(8), "little", signed=True)
         if not start <= at <= size - 8:
-            raise MeshError(f"{path.name!r} is damaged or truncated: its table of chunks is not where it says")
+            raise MeshError(
+                f"{path.name!r} is damaged or truncated: its table of chunks is not where it says"
+            )
         file.seek(at + 4)
         n_chunks = int.from_bytes(file.read(4), "little")
     check_promise(path, "chunks", n_chunks, LEAST_POINT, size - start)

@@ -14,6 +14,7 @@ const PAINT = "Paint: drag inside a segment to draw a new one, or out of it to a
  * @param {(hit: Hit) => string} segments.titleOf
  * @param {Record<string, string>} segments.names
  * @param {{ nFaces: number } | null} segments.offcut  that a click would divide off
+ * @param {string} segments.noun  what faces are called
  * @param {boolean} isSought  whether Python looks for a cut
  * @returns {{ text: string | null, of: "part" | "stroke" | "hint" }}
  */
@@ -32,13 +33,13 @@ export function hintOf({ gesture, tool }, segments, isSought) {
 
 /**
  * @param {Hit | null} picked  the first point
- * @param {{ names: Record<string, string>, offcut: { nFaces: number } | null }} segments
+ * @param {{ names: Record<string, string>, offcut: { nFaces: number } | null, noun: string }} segments
  * @param {boolean} isSought
  */
-function cutHint(picked, { names, offcut }, isSought) {
+function cutHint(picked, { names, offcut, noun }, isSought) {
   if (!picked) return "Cut: click or drag from one side of a segment to the other";
   const title = segmentTitle(picked.segment, names);
   if (isSought) return `${title}: looking for the cut…`;
-  if (offcut) return `${title}: a click here cuts ${counted(offcut.nFaces, "face")} off`;
+  if (offcut) return `${title}: a click here cuts ${counted(offcut.nFaces, noun)} off`;
   return `${title}: click the other side of the cut`;
 }

@@ -69,7 +69,7 @@ const EDIT = [
   ["Click, click; Enter, Enter", "merge, too"],
   ["Ctrl + drag, G", "brush: gather parts onto the first"],
   ["Ctrl + click; Shift + Enter", "gather one by one; merge them"],
-  ["M", "paint: faces under a round brush, out of a segment or onto it"],
+  ["M", "paint: what a round brush covers, out of a segment or onto it"],
   ["[  ]", "smaller, larger brush; with Alt it leaves the surface"],
   ["Right click, S", "split"],
   ["C", "cut: from one side to the other"],

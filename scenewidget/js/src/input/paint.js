@@ -75,7 +75,7 @@ export function createPaint({ view, segments, options, send }) {
     const { sight, surface } = view;
     const middle = view.pointAt(place);
     const radius = radiusAt(view, options.current, place);
-    if (!sight || !surface || radius === null) return [];
+    if (!sight || (!surface && !view.isCloud) || radius === null) return [];
     const seen = view.facesAround(place, radius);
     const { unit, sticks, takesAway } = options.current;
     const reach = options.current.radius.cm / 100;
@@ -90,6 +90,7 @@ export function createPaint({ view, segments, options, send }) {
     const counts = (/** @type {number} */ face) =>
       (home === NONE || segments.baseOf(face) === home) &&
       (seen.has(face) || (isUnder(face) && sight.isSeen(face)));
+    if (!surface) return [...seen].filter(counts); // points have no creases that are known here
     const isBound = sticks && !isFree;
     const begun = faces.size > 0 ? [...seen].filter((face) => faces.has(face)) : [first ?? -1];
     return reached(surface, isBound ? begun.filter((face) => face >= 0) : seen, counts, isBound);

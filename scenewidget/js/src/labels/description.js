@@ -8,19 +8,23 @@ import { countSegments, describe, NONE } from "./partition.js";
  * A face's segment with its size and confidence, and its part if that is something else.
  * @param {Partition} partition
  * @param {number} face
- * @param {{ level: string, names: Record<string, string>, confidence: Record<number, number> | null }} context
+ * @param {object} context
+ * @param {string} context.level
+ * @param {Record<string, string>} context.names
+ * @param {Record<number, number> | null} context.confidence
+ * @param {string} context.noun  what faces are called
  */
-export function describeFace(partition, face, { level, names, confidence }) {
+export function describeFace(partition, face, { level, names, confidence, noun }) {
   const { part, segment, partFaces, segmentFaces, segmentArea } = describe(partition, face);
   const isLabeled = segment !== NONE;
   const isSame = part === NONE || partFaces === segmentFaces;
   const sure = isLabeled ? confidence?.[segment] : undefined;
   return [
     isLabeled ? segmentTitle(segment, names) : "Unlabeled",
-    isLabeled ? counted(segmentFaces, "face") : "",
+    isLabeled ? counted(segmentFaces, noun) : "",
     isLabeled && segmentArea > 0 ? `${area(segmentArea)} m²` : "",
     sure === undefined ? "" : `confidence ${sure.toFixed(2)}`,
-    isSame ? "" : `${level} part of ${counted(partFaces, "face")}`,
+    isSame ? "" : `${level} part of ${counted(partFaces, noun)}`,
   ]
     .filter(Boolean)
     .join("  ·  ");
@@ -30,9 +34,10 @@ export function describeFace(partition, face, { level, names, confidence }) {
  * How much there is to see.
  * @param {number} nFaces
  * @param {Partition | null} partition
+ * @param {string} noun  what faces are called
  */
-export function summary(nFaces, partition) {
-  const faces = counted(nFaces, "face");
+export function summary(nFaces, partition, noun) {
+  const faces = counted(nFaces, noun);
   return partition ? `${faces}  ·  ${counted(countSegments(partition.atomSegment), "segment")}` : faces;
 }
 

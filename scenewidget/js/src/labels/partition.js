@@ -29,9 +29,14 @@ export const NONE = 0xffffffff;
  */
 
 /**
+ * The surface: of a mesh, or of a cloud, whose faces are its points and which says their areas.
+ * @typedef {{ vertices: Float32Array, faces: Uint32Array, areas?: Float32Array | null }} Measured
+ */
+
+/**
  * @param {Tables} arrays
  * @param {number} level  index of the level; -1 = the segments as they are
- * @param {{ vertices: Float32Array, faces: Uint32Array } | null} [mesh]  to measure areas on
+ * @param {Measured | null} [mesh]  to measure areas on
  * @returns {Partition}
  */
 export function makePartition(arrays, level, mesh = null) {
@@ -55,7 +60,7 @@ const measures = new WeakMap();
  * Faces and area of each atom.
  * @param {Uint32Array} faceAtom
  * @param {number} nAtoms
- * @param {{ vertices: Float32Array, faces: Uint32Array } | null} mesh
+ * @param {Measured | null} mesh
  */
 function measure(faceAtom, nAtoms, mesh) {
   const known = measures.get(faceAtom);
@@ -92,10 +97,11 @@ export function divideMeasures(faceAtom, finer, taken) {
 }
 
 /**
- * @param {{ vertices: Float32Array, faces: Uint32Array }} mesh
+ * @param {Measured} mesh
  * @param {number} face
  */
-function areaOf({ vertices, faces }, face) {
+function areaOf({ vertices, faces, areas }, face) {
+  if (areas) return areas[face];
   const [a, b, c] = [3 * faces[3 * face], 3 * faces[3 * face + 1], 3 * faces[3 * face + 2]];
   const ux = vertices[b] - vertices[a];
   const uy = vertices[b + 1] - vertices[a + 1];

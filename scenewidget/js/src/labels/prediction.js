@@ -104,7 +104,7 @@ function afterPaint(ground, labels, { ranges, onto_face }) {
     onto_face === null ? highest(labels.atomSegment) + 1 : labels.atomSegment[ground.faceAtom[onto_face]];
   if (target === NONE) return "That surface is unlabeled: there is no segment to paint onto";
   const after = painted(ground, labels.atomSegment, ranges, target);
-  if (!after) return "These faces are in this segment already";
+  if (!after) return "All of that is in this segment already";
   return { ...withNames(labels.names, after.atomSegment, target), finer: after.ground };
 }
 

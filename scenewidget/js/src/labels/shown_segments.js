@@ -1,5 +1,6 @@
 /** The segments as one page shows them: Python's, with the edits on top that it hasn't answered yet. */
 
+import { nounOf } from "../wire/traits.js";
 import { readArray } from "../wire/wire.js";
 import { meanConfidence } from "./confidence.js";
 import { describeFace, segmentTitle } from "./description.js";
@@ -47,6 +48,11 @@ export class ShownSegments {
     this.isPreview = false;
     /** @type {Tables | null} */
     this.tables = null;
+  }
+
+  /** What faces are called: of a cloud they are points. */
+  get noun() {
+    return nounOf(this.model);
   }
 
   /** Take what the model holds and show it. */
@@ -178,7 +184,8 @@ export class ShownSegments {
   descriptionOf(face) {
     const partition = /** @type {import("./partition.js").Partition} */ (this.partition);
     const segment = this.#shownSegmentOf(face);
-    const context = { level: this.level, names: this.names, confidence: this.confidence };
+    const { level, names, confidence, noun } = this;
+    const context = { level, names, confidence, noun };
     const [red, green, blue] = partition.segmentColors.subarray(3 * segment, 3 * segment + 3);
     return {
       text: describeFace(partition, face, context),

@@ -186,7 +186,7 @@ export function createPanel(host, { send, on }) {
     update(state) {
       toolbar.update(state);
       section.update(state.section, state.lengths);
-      list.show(state.segmentList && state.hasPartition);
+      list.show(state.segmentList && state.hasPartition, state.noun);
       progress.update(state);
       error.update(state);
       legend.show(state.legend);

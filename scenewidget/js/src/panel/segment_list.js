@@ -16,9 +16,9 @@ import { element, iconButton } from "./elements.js";
 /** @type {Array<[Column, string, string]>} */
 const COLUMNS = [
   ["name", "Name", "Sort by name"],
-  ["faces", "Faces", "Sort by number of faces"],
+  ["faces", "Faces", "Sort by number of faces"], // `call` says points of a cloud
   ["area", "m²", "Sort by area in square metres"],
-  ["confidence", "Conf.", "Sort by confidence: how probably its faces are right; the doubtful first"],
+  ["confidence", "Conf.", "Sort by confidence: how probably it is right; the doubtful first"],
 ];
 const EYE =
   "M1.8 8S4 3.8 8 3.8 14.2 8 14.2 8 12 12.2 8 12.2 1.8 8 1.8 8ZM8 6.2a1.8 1.8 0 1 1 0 3.6 1.8 1.8 0 0 1 0-3.6";
@@ -70,6 +70,15 @@ export function createSegmentList(send, leave) {
   let current = NONE;
   let marked = /** @type {number | null} */ (null);
   let request = 0;
+  let noun = "face";
+
+  /** @param {string} given  what faces are called */
+  function call(given) {
+    noun = given;
+    const button = /** @type {HTMLElement} */ (heads.get("faces")?.button);
+    button.textContent = `${noun[0].toUpperCase()}${noun.slice(1)}s`;
+    button.title = `Sort by number of ${noun}s`;
+  }
 
   const point = (/** @type {number | null} */ segment) => send({ kind: "listed", segment });
   const lineOf = (/** @type {Event} */ event) =>
@@ -168,8 +177,9 @@ export function createSegmentList(send, leave) {
   return {
     element: panel,
 
-    /** @param {boolean} isShown */
-    show(isShown) {
+    /** @param {boolean} isShown @param {string} [called]  what faces are called */
+    show(isShown, called = noun) {
+      if (called !== noun) call(called);
       if (panel.hidden !== isShown) return;
       panel.hidden = !isShown;
       if (!isShown) point(null);
@@ -184,7 +194,7 @@ export function createSegmentList(send, leave) {
       count.textContent = nHidden > 0 ? `${nSegments} · ${nHidden} hidden` : String(nSegments);
       const before = lines;
       lines = new Map(rows.map((row) => [row.segment, before.get(row.segment) ?? makeRow(row.segment)]));
-      for (const row of rows) lines.get(row.segment)?.update(row);
+      for (const row of rows) lines.get(row.segment)?.update(row, noun);
       arrange();
       const isGone = !lines.has(current);
       const first = body.rows[0]?.dataset.segment;
@@ -227,9 +237,9 @@ function makeRow(segment) {
   let last = "";
   return {
     line,
-    /** @param {Row} row */
-    update(row) {
-      const signature = JSON.stringify(row);
+    /** @param {Row} row @param {string} noun */
+    update(row, noun) {
+      const signature = JSON.stringify([row, noun]);
       if (signature === last) return;
       last = signature;
       const isHidden = row.hidden === "all";
@@ -237,7 +247,7 @@ function makeRow(segment) {
       title.textContent = name;
       choose.title = [
         segment === NONE ? "Unlabeled" : segmentTitle(segment, { [segment]: row.name }),
-        counted(row.faces, "face"),
+        counted(row.faces, noun),
       ].join(", ");
       title.classList.toggle("sw-unnamed", !row.name);
       swatch.style.background = row.color;

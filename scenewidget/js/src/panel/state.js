@@ -3,6 +3,7 @@
 import { FIRST_STEPS, FIRST_TOUCHES } from "../input/keys.js";
 import { summary } from "../labels/description.js";
 import { countHidden } from "../labels/hidden.js";
+import { nounOf } from "../wire/traits.js";
 import { readArray } from "../wire/wire.js";
 import { legendOf } from "./legend.js";
 
@@ -36,6 +37,7 @@ import { legendOf } from "./legend.js";
  * @property {import("./autosave.js").SaveState} saveState
  * @property {string} saveNote
  * @property {import("./notices.js").Notice[]} notices
+ * @property {string} noun  what faces are called
  * @property {number} nSegments
  * @property {number} nHidden  segments that aren't drawn
  * @property {string[]} vocabulary
@@ -89,6 +91,7 @@ export function panelState({ model, view, segments }, { tool, isLive, notices })
     undo: segments.undo,
     redo: segments.redo,
     pending: segments.pending.operations.length,
+    noun: nounOf(model),
     nSegments: segments.count,
     nHidden: countHidden(view.hidden, partition),
     vocabulary: model.get("vocabulary"),
@@ -99,7 +102,7 @@ export function panelState({ model, view, segments }, { tool, isLive, notices })
     historyShown: model.get("history_shown"),
     history: model.get("history"),
     nDone: model.get("n_done"),
-    summary: isFirstStep ? firstSteps : mesh ? summary(mesh.faces.length / 3, partition) : "",
+    summary: isFirstStep ? firstSteps : mesh ? summary(mesh.faces.length / 3, partition, nounOf(model)) : "",
     legend: legendOf(model),
   };
 }

@@ -8,6 +8,10 @@
 
 /** @typedef {{ corner: Uint32Array, face: Uint32Array, index: Uint32Array }} Drawable */
 /** @typedef {import("./camera.js").Ball} Ball */
+/**
+ * Of a cloud, with areas and normals of its points in rows of four; face i is point i.
+ * @typedef {{ vertices: Float32Array, faces: Uint32Array, areas?: Float32Array | null, normals?: Int8Array }} Surface
+ */
 
 /**
  * Corners and index of triangles that know their own number.
@@ -108,23 +112,44 @@ export function gather(rows, width, corner, padded = width) {
 }
 
 /**
- * Some faces, evenly spread over the list: their corners, and their normals as long as their area.
- * @param {Float32Array} vertices
- * @param {Uint32Array} faces
- * @param {number} [most]
+ * Corners of a face; of a cloud those of a triangle as large as what its point stands for, in its plane.
+ * @param {Surface} surface
+ * @param {number} face
+ * @returns {number[]}  x, y, z of one corner after the other
  */
-export function sample(vertices, faces, most = 30_000) {
-  const nFaces = faces.length / 3;
+export function cornersOf({ vertices, faces, areas = null, normals }, face) {
+  if (!areas || !normals) {
+    const corner = (/** @type {number} */ k) => 3 * faces[3 * face + k];
+    return [0, 1, 2].flatMap((k) => [...vertices.subarray(corner(k), corner(k) + 3)]);
+  }
+  const [x, y, z] = vertices.subarray(3 * face, 3 * face + 3);
+  const length = Math.hypot(normals[4 * face], normals[4 * face + 1], normals[4 * face + 2]) || 1;
+  const [a, b, c] = [0, 1, 2].map((k) => normals[4 * face + k] / length);
+  const across = Math.abs(a) < 0.6 ? [0, c, -b] : [-c, 0, a]; // at right angles to the normal
+  const size = Math.sqrt((4 * areas[face]) / (3 * Math.sqrt(3))) / (Math.hypot(...across) || 1);
+  const [ux, uy, uz] = across.map((value) => value * size);
+  const [vx, vy, vz] = [b * uz - c * uy, c * ux - a * uz, a * uy - b * ux];
+  return [0, 1, 2].flatMap((k) => {
+    const [p, q] = [Math.cos((2 * Math.PI * k) / 3), Math.sin((2 * Math.PI * k) / 3)];
+    return [x + p * ux + q * vx, y + p * uy + q * vy, z + p * uz + q * vz];
+  });
+}
+
+/**
+ * Some faces, evenly spread over the list: their corners, and their normals as long as their area.
+ * @param {Surface} surface
+ * @param {number} [most]
+ * @param {ArrayLike<number>} [among]  faces; all by default
+ */
+export function sample(surface, most = 30_000, among) {
+  const nFaces = among ? among.length : surface.faces.length / 3;
   const step = Math.max(1, nFaces / most);
   const n = Math.ceil(nFaces / step);
   const points = new Float32Array(9 * n);
   const normals = new Float32Array(3 * n);
   for (let k = 0; k < n; k++) {
     const f = Math.min(nFaces - 1, Math.floor(k * step));
-    for (let corner = 0; corner < 3; corner++) {
-      const v = 3 * faces[3 * f + corner];
-      points.set([vertices[v], vertices[v + 1], vertices[v + 2]], 9 * k + 3 * corner);
-    }
+    points.set(cornersOf(surface, among ? among[f] : f), 9 * k);
     const p = points.subarray(9 * k, 9 * k + 9);
     const [ux, uy, uz] = [p[3] - p[0], p[4] - p[1], p[5] - p[2]];
     const [vx, vy, vz] = [p[6] - p[0], p[7] - p[1], p[8] - p[2]];
@@ -164,7 +189,7 @@ export function boundingBall(vertices) {
  */
 export function* coarse(vertices, faces, nWanted) {
   const nFaces = faces.length / 3;
-  const { normals } = sample(vertices, faces, 20_000);
+  const { normals } = sample({ vertices, faces }, 20_000);
   let area = 0;
   for (let i = 0; i < normals.length; i += 3)
     area += Math.hypot(normals[i], normals[i + 1], normals[i + 2]) / 2;
@@ -197,4 +222,17 @@ export function* coarse(vertices, faces, nWanted) {
     for (let k = 0; k < 3; k++) result[3 * i + k] = stand[faces[3 * numbers[i] + k]];
   }
   return { faces: result, numbers };
+}
+
+/**
+ * Some of many points, by a number that looks like chance: lines of a scanner leave no pattern.
+ * @param {number} n
+ * @param {number} nWanted  roughly
+ * @returns {Uint32Array}  ascending
+ */
+export function thinned(n, nWanted) {
+  const limit = (2 ** 32 * nWanted) / Math.max(1, n);
+  const kept = [];
+  for (let i = 0; i < n; i++) if (Math.imul(i + 1, 0x9e3779b1) >>> 0 < limit) kept.push(i);
+  return Uint32Array.from(kept);
 }

@@ -2,7 +2,7 @@
 
 import { readArray } from "../wire/wire.js";
 import { boundingBall, vertexNormals } from "./geometry.js";
-import { upright } from "./upright.js";
+import { upright, uprightNormals } from "./upright.js";
 
 /** @typedef {import("../wire/wire.js").Model} Model */
 /** @typedef {import("./renderer.js").MeshArrays} MeshArrays */
@@ -19,12 +19,29 @@ export function readMesh(model) {
   const up = model.get("_up") ?? [0, 0, 1];
   if (known?.up === String(up)) return known;
   const given = /** @type {Float32Array | null} */ (readArray(model, "vertices"));
-  const faces = /** @type {Uint32Array | null} */ (readArray(model, "faces"));
   const colors = /** @type {Uint8Array | null} */ (readArray(model, "vertex_colors"));
-  if (!given || !faces) return null;
+  const areas = /** @type {Float32Array | null} */ (readArray(model, "areas"));
+  const sides = /** @type {Int8Array | null} */ (readArray(model, "normals"));
+  if (!given) return null;
+  const faces = areas ? pointsAsFaces(areas.length) : readArray(model, "faces");
+  if (!faces || (areas && !sides)) return null;
   const vertices = upright(given, up);
-  const [normals, bounds] = [vertexNormals(vertices, faces), boundingBall(vertices)];
-  const mesh = { vertices, faces, colors, normals, bounds, up: String(up) };
+  const mesh = {
+    vertices,
+    faces: /** @type {Uint32Array} */ (faces),
+    colors,
+    areas,
+    normals: sides ? uprightNormals(sides, up) : vertexNormals(vertices, /** @type {Uint32Array} */ (faces)),
+    bounds: boundingBall(vertices),
+    up: String(up),
+  };
   meshes.set(model, mesh);
   return mesh;
+}
+
+/** Of a cloud, face i is point i. @param {number} n */
+function pointsAsFaces(n) {
+  const faces = new Uint32Array(3 * n);
+  for (let i = 0; i < faces.length; i++) faces[i] = Math.floor(i / 3);
+  return faces;
 }

@@ -18,6 +18,7 @@ import {
   Mesh,
   NearestFilter,
   NoBlending,
+  Points,
   RawShaderMaterial,
   RedIntegerFormat,
   RGBAFormat,
@@ -34,7 +35,7 @@ import {
   WebGLRenderTarget,
 } from "three";
 import { NONE } from "../labels/partition.js";
-import { frame, projectionView } from "./camera.js";
+import { frame, projectionView, TANGENT } from "./camera.js";
 import { drawable, gather } from "./geometry.js";
 import {
   FACES_FRAGMENT,
@@ -53,7 +54,8 @@ import {
  * @typedef {object} MeshArrays
  * @property {Float32Array} vertices
  * @property {Uint32Array} faces
- * @property {Int8Array} normals  rows of four
+ * @property {Int8Array} normals  rows of four; of points the last tells whether their side is known
+ * @property {Float32Array | null} areas  of the points of a cloud, which are its faces; null for a mesh
  * @property {Uint8Array | null} colors  rows of three
  * @property {Ball} bounds
  */
@@ -73,6 +75,7 @@ import {
 
 const TEXTURE_WIDTH = 2048;
 const FENCE_MS = 8;
+const OVERLAP = 10; // areas that the disc of a point covers: of points strewn by chance, e⁻¹⁰ of the places are bare
 
 export class SceneRenderer {
   /**
@@ -132,9 +135,9 @@ export class SceneRenderer {
     this.reliefScene = screenScene(this.relief);
     this.paintScene = screenScene(this.paints);
     this.pictureScene = screenScene(this.picture);
-    /** @type {Mesh | null} */
+    /** @type {Mesh | Points | null} */
     this.fine = null;
-    /** @type {Mesh | null} */
+    /** @type {Mesh | Points | null} */
     this.coarse = null;
     /** @type {MeshArrays | null} */
     this.arrays = null;
@@ -154,13 +157,14 @@ export class SceneRenderer {
   setMesh(arrays) {
     this.arrays = arrays;
     this.#define("HAS_COLORS", arrays.colors !== null);
+    this.#define("IS_CLOUD", arrays.areas !== null);
     for (const old of [this.fine, this.coarse]) {
       old?.geometry.dispose();
       old?.removeFromParent();
     }
     this.coarse = null;
     this.#uniform("hasScan", arrays.colors !== null);
-    this.fine = this.#add(arrays.faces);
+    this.fine = arrays.areas ? this.#addPoints(null) : this.#add(arrays.faces);
     this.numbers?.dispose();
     this.numbers = null;
   }
@@ -172,6 +176,11 @@ export class SceneRenderer {
    */
   setCoarse(faces, numbers) {
     this.coarse = this.#add(faces, numbers);
+  }
+
+  /** The points to draw, larger, while the camera moves. @param {Uint32Array} numbers */
+  setCoarsePoints(numbers) {
+    this.coarse = this.#addPoints(numbers);
   }
 
   /** @param {Uint32Array | null} faceAtom */
@@ -252,12 +261,17 @@ export class SceneRenderer {
     const target = this.#numbersTarget(width, height);
     const { bounds } = this.arrays;
     const { matrix, near, far } = projectionView(camera, width / height, bounds);
-    const { right, up, forward } = frame(camera);
+    const { eye, right, up, forward } = frame(camera);
     const uniforms = this.faces.uniforms;
     uniforms.projectionView.value.fromArray(matrix);
     uniforms.right.value.set(...right);
     uniforms.up.value.set(...up);
     uniforms.forward.value.set(...forward);
+    uniforms.eye.value.set(...eye);
+    uniforms.depths.value.set(near, far);
+    uniforms.window.value.set(width, height);
+    uniforms.tangent.value = camera.tangent ?? TANGENT;
+    uniforms.showsBacks.value = backFaces;
     this.faces.side = backFaces ? DoubleSide : FrontSide;
     this.fine.visible = !(isCoarse && this.coarse);
     if (this.coarse) this.coarse.visible = !this.fine.visible;
@@ -382,6 +396,31 @@ export class SceneRenderer {
   }
 
   /**
+   * Discs that reach so far that no hole is seen between them.
+   * @param {Uint32Array | null} numbers  of some points, which then stand for all; null = all of them
+   */
+  #addPoints(numbers) {
+    const { vertices, normals, colors, areas } = /** @type {MeshArrays} */ (this.arrays);
+    const n = /** @type {Float32Array} */ (areas).length;
+    const face = numbers ?? Uint32Array.from({ length: n }, (_, i) => i);
+    const larger = (OVERLAP * n) / Math.max(1, face.length) / Math.PI;
+    const reach = Float32Array.from(face, (i) => Math.sqrt(larger * /** @type {Float32Array} */ (areas)[i]));
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(numbers ? gather(vertices, 3, face) : vertices, 3));
+    geometry.setAttribute(
+      "normal",
+      new BufferAttribute(numbers ? gather(normals, 4, face) : normals, 4, true),
+    );
+    geometry.setAttribute("reach", new BufferAttribute(reach, 1));
+    geometry.setAttribute("face", new BufferAttribute(face, 1));
+    if (colors) geometry.setAttribute("color", new BufferAttribute(gather(colors, 3, face, 4), 4, true));
+    const points = new Points(geometry, this.faces);
+    points.frustumCulled = false;
+    this.meshScene.add(points);
+    return points;
+  }
+
+  /**
    * @param {number} width
    * @param {number} height
    */
@@ -430,6 +469,11 @@ function facesMaterial() {
       right: { value: new Vector3() },
       up: { value: new Vector3() },
       forward: { value: new Vector3() },
+      eye: { value: new Vector3() },
+      depths: { value: new Vector2() },
+      window: { value: new Vector2() },
+      tangent: { value: 1 },
+      showsBacks: { value: false },
       faceAtom: { value: null },
       atoms: { value: null },
       boxAxes: { value: new Matrix3() },

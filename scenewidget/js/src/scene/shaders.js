@@ -16,9 +16,17 @@ in vec4 normal;
 in uint face;
 in vec4 color;
 flat out uint faceNumber;
-out vec3 eyePosition;
-out vec3 eyeNormal;
-out vec3 scanColor;
+#ifdef IS_CLOUD
+in float reach;
+uniform vec3 eye;
+uniform vec2 window;
+uniform float tangent;
+uniform bool showsBacks;
+flat out vec3 center, disc, eyeNormal, scanColor; // from the eye and in its axes
+flat out float radius;
+#else
+out vec3 eyePosition, eyeNormal, scanColor;
+#endif
 #ifdef HAS_SECTION
 uniform mat3 boxAxes;
 out vec3 boxPosition;
@@ -29,19 +37,39 @@ void main() {
 #endif
   faceNumber = face + 1u;
   mat3 view = mat3(right.x, up.x, -forward.x, right.y, up.y, -forward.y, right.z, up.z, -forward.z);
-  eyePosition = view * position;
   eyeNormal = view * normal.xyz;
   scanColor = color.rgb;
   gl_Position = projectionView * vec4(position, 1.0);
+#ifdef IS_CLOUD
+  center = view * (position - eye);
+  vec3 toEye = -normalize(center);
+  float length2 = dot(eyeNormal, eyeNormal);
+  eyeNormal = length2 > 0.0 ? eyeNormal * inversesqrt(length2) : toEye;
+  float facing = dot(eyeNormal, toEye);
+  if (facing < 0.0) eyeNormal = -eyeNormal;
+  float pixel = 2.0 * max(-center.z, 1e-6) * tangent / window.y;
+  radius = max(reach, 0.75 * pixel);
+  // seen at a grazing angle, or hardly larger than a pixel, a disc turns to the eye: it would leave holes
+  disc = normalize(eyeNormal + toEye * max(0.0, 0.4 - abs(facing)) + toEye * max(0.0, 3.0 - reach / pixel));
+  gl_PointSize = 2.2 * radius / pixel + 1.0;
+  if (facing < 0.0 && normal.w > 0.5 && !showsBacks) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+#else
+  eyePosition = view * position;
+#endif
 }`;
 
 export const FACES_FRAGMENT = `
 precision highp float;
 precision highp int;
 flat in uint faceNumber;
-in vec3 eyePosition;
-in vec3 eyeNormal;
-in vec3 scanColor;
+#ifdef IS_CLOUD
+flat in vec3 center, disc, eyeNormal, scanColor;
+flat in float radius;
+uniform vec2 window, depths;
+uniform float tangent;
+#else
+in vec3 eyePosition, eyeNormal, scanColor;
+#endif
 layout(location = 0) out vec4 numberAndLight;
 #ifdef HAS_HIDDEN
 precision highp usampler2D;
@@ -68,16 +96,32 @@ void main() {
   uint number = texelFetch(faceAtom, cell(faceNumber - 1u, textureSize(faceAtom, 0).x), 0).r;
   if ((texelFetch(atoms, cell(number, textureSize(atoms, 0).x), 0).a & 2u) != 0u) discard;
 #endif
+#ifdef IS_CLOUD
+  vec2 place = (2.0 * gl_FragCoord.xy / window - 1.0) * vec2(tangent * window.x / window.y, tangent);
+  vec3 way = vec3(place, -1.0);
+  vec3 met = way * (dot(center, disc) / dot(way, disc));
+  vec3 apart = met - center;
+  if (dot(apart, apart) > radius * radius) discard;
+  // where discs overlap, the one whose middle is nearest is seen: each point has the place around it
+  float ahead = max(-met.z + 0.4 * dot(apart, apart) / radius, depths.x);
+  gl_FragDepth = (depths.y / (depths.y - depths.x)) * (1.0 - depths.x / ahead);
+  vec3 normal = eyeNormal;
+#else
   // the flat normal where the smooth one would round off a crease
   vec3 plane = normalize(cross(dFdx(eyePosition), dFdy(eyePosition)));
   vec3 smoothed = normalize(gl_FrontFacing ? eyeNormal : -eyeNormal);
   float agreement = dot(plane, smoothed);
   vec3 normal = agreement > 0.0 ? normalize(mix(plane, smoothed, smoothstep(0.6, 0.85, agreement))) : plane;
+#endif
   float light = 0.7 * (0.42 + 0.58 * dot(normal, KEY)) + 0.3 * (0.3 + 0.7 * dot(normal, FILL));
   uvec3 bytes = uvec3(faceNumber, faceNumber >> 8, faceNumber >> 16) & 255u;
   numberAndLight = vec4(vec3(bytes) / 255.0, clamp(light, 0.0, 1.0));
 #if defined(HAS_NORMALS)
+#ifdef IS_CLOUD
+  vec3 facing = normal;
+#else
   vec3 facing = gl_FrontFacing ? plane : -plane;
+#endif
   scan = vec4(0.5 + 0.5 * (right * facing.x + up * facing.y - forward * facing.z), 1.0);
 #elif defined(HAS_COLORS)
   scan = vec4(scanColor, 1.0);

@@ -12,9 +12,10 @@ import { frame, TANGENT } from "./camera.js";
 /**
  * @param {import("./snapshot.js").Snapshot} snapshot
  * @param {import("./snapshot.js").Size} size
- * @param {{ vertices: Float32Array, faces: Uint32Array }} mesh
+ * @param {import("./geometry.js").Surface} mesh
  */
-export function createSight({ numbers, camera, aspect }, size, { vertices, faces }) {
+export function createSight({ numbers, camera, aspect }, size, mesh) {
+  const { vertices, faces, areas = null, normals } = mesh;
   const { eye, right, up, forward } = frame(camera);
   const { tangent = TANGENT } = camera;
   const { width, height, bytes } = numbers;
@@ -48,6 +49,7 @@ export function createSight({ numbers, camera, aspect }, size, { vertices, faces
 
   /** Normal of a face times twice its area. @param {number} face */
   function normalOf(face) {
+    if (areas && normals) return [0, 1, 2].map((k) => (normals[4 * face + k] / 63.5) * areas[face]);
     const [a, b, c] = [3 * faces[3 * face], 3 * faces[3 * face + 1], 3 * faces[3 * face + 2]];
     const [ux, uy, uz] = [
       vertices[b] - vertices[a],

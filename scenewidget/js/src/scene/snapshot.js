@@ -1,6 +1,7 @@
 /** The picture as it was when it last stood still: which face lay where, and where the eye was. */
 
 import { frame, meet, ray } from "./camera.js";
+import { cornersOf } from "./geometry.js";
 
 /** @typedef {import("./camera.js").Camera} Camera */
 /** @typedef {import("./camera.js").Place} Place */
@@ -63,16 +64,14 @@ export function facesAround({ numbers: { width, height, bytes } }, { x, y }, rad
  * @param {Snapshot} snapshot
  * @param {Place} place
  * @param {Size} size
- * @param {{ vertices: Float32Array, faces: Uint32Array }} mesh
+ * @param {import("./geometry.js").Surface} mesh
  * @returns {Vec3 | null}
  */
-export function pointIn(snapshot, place, size, { vertices, faces }) {
+export function pointIn(snapshot, place, size, mesh) {
   const face = faceIn(snapshot, place, size);
   if (face === null) return null;
-  const corner = (/** @type {number} */ k) => {
-    const v = 3 * faces[3 * face + k];
-    return /** @type {Vec3} */ ([vertices[v], vertices[v + 1], vertices[v + 2]]);
-  };
+  const corners = cornersOf(mesh, face);
+  const corner = (/** @type {number} */ k) => /** @type {Vec3} */ (corners.slice(3 * k, 3 * k + 3));
   const { camera, aspect } = snapshot;
   const direction = rayAt(camera, place, size, aspect);
   return meet(frame(camera).eye, direction, [corner(0), corner(1), corner(2)]);

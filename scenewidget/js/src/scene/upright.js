@@ -45,6 +45,23 @@ export function upright(points, up) {
 }
 
 /**
+ * Normals, in rows of four signed bytes of which the last is kept, in the axes of the upright room.
+ * @param {Int8Array} normals
+ * @param {Vec3} up
+ */
+export function uprightNormals(normals, up) {
+  if (up[2] > 1 - 1e-9) return normals;
+  const axes = uprightAxes(up);
+  const turned = new Int8Array(normals);
+  for (let i = 0; i < normals.length; i += 4)
+    for (let k = 0; k < 3; k++) {
+      const [a, b, c] = axes[k];
+      turned[i + k] = Math.round(a * normals[i] + b * normals[i + 1] + c * normals[i + 2]);
+    }
+  return turned;
+}
+
+/**
  * What the horizontal axes are called in the mesh's own coordinates, such as "+x"; "" if along none of them.
  * @param {Vec3} up
  */

@@ -23,7 +23,7 @@ import {
   zoom,
 } from "./camera.js";
 import { between, shorterTurn } from "./flight.js";
-import { boundingBall, coarse, sample } from "./geometry.js";
+import { boundingBall, coarse, sample, thinned } from "./geometry.js";
 import { SceneRenderer } from "./renderer.js";
 import { belowCeiling, boxOf, extentOf, isWhole, pointsInside, WHOLE } from "./section.js";
 import { createSight } from "./sight.js";
@@ -146,11 +146,16 @@ export class Viewer {
     this.anchor = null;
   }
 
+  /** Whether faces are points. */
+  get isCloud() {
+    return this.mesh?.areas != null;
+  }
+
   /** @param {MeshArrays} mesh */
   setMesh(mesh) {
     const isOther = this.mesh !== null;
     this.mesh = mesh;
-    this.sample = sample(mesh.vertices, mesh.faces);
+    this.sample = sample(mesh);
     this.extent = extentOf(this.sample);
     this.renderer.setMesh(mesh);
     clearTimeout(this.coarseTimer);
@@ -366,11 +371,9 @@ export class Viewer {
   /** Some of the faces of atoms. @param {(atom: number) => boolean} isIn */
   #sampleOf(isIn) {
     const { faceAtom } = /** @type {Partition} */ (this.partition);
-    const { vertices, faces } = /** @type {MeshArrays} */ (this.mesh);
     const inside = [];
-    for (let f = 0; f < faceAtom.length; f++)
-      if (isIn(faceAtom[f])) inside.push(faces[3 * f], faces[3 * f + 1], faces[3 * f + 2]);
-    return sample(vertices, Uint32Array.from(inside), FRAME_FACES);
+    for (let f = 0; f < faceAtom.length; f++) if (isIn(faceAtom[f])) inside.push(f);
+    return sample(/** @type {MeshArrays} */ (this.mesh), FRAME_FACES, inside);
   }
 
   /** @param {Movement} action */
@@ -438,7 +441,7 @@ export class Viewer {
 
   /** What touches what on the scan. */
   get surface() {
-    return this.mesh && surveyOf(this.mesh).surface();
+    return this.mesh && !this.isCloud ? surveyOf(this.mesh).surface() : null;
   }
 
   /**
@@ -645,6 +648,10 @@ export class Viewer {
 
   #prepareCoarse() {
     if (!this.mesh || this.work || this.mesh.faces.length / 3 < 2 * COARSE_FACES) return;
+    if (this.mesh.areas) {
+      if (!this.renderer.coarse) this.renderer.setCoarsePoints(thinned(this.mesh.areas.length, COARSE_FACES));
+      return;
+    }
     const work = coarse(this.mesh.vertices, this.mesh.faces, COARSE_FACES);
     this.work = work;
     const proceed = () => {

@@ -1,6 +1,6 @@
 /** The pieces of a model's state that a view shows, by what has to be taken anew when they change. */
 
-const GEOMETRY = ["vertices", "faces", "vertex_colors", "up"];
+const GEOMETRY = ["vertices", "faces", "vertex_colors", "areas", "normals", "up"];
 const PARTITION = ["face_atom", "atom_part", "atom_segment", "segment_colors", "atom_confidence"];
 const VALUES = ["face_value", "colormap", "face_error", "face_border"];
 const PREVIEW = [
@@ -24,4 +24,9 @@ export const GROUPS = {
 /** @param {string[]} names */
 function arrays(names) {
   return names.map((name) => `_${name}`);
+}
+
+/** What the smallest pieces of a scan are called. @param {import("./wire.js").Model} model */
+export function nounOf(model) {
+  return model.get("_headers")?.areas ? "point" : "face"; // only clouds say areas
 }

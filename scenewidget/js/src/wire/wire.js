@@ -5,9 +5,9 @@
  * DataView, typed array, ArrayBuffer or base64, and not always in the same instant as the header.
  */
 
-/** @typedef {"float32" | "uint8" | "uint16" | "uint32"} Dtype */
+/** @typedef {"float32" | "int8" | "uint8" | "uint16" | "uint32"} Dtype */
 /** @typedef {{ dtype: Dtype, shape: number[] }} Header */
-/** @typedef {Float32Array | Uint8Array | Uint16Array | Uint32Array} TypedArray */
+/** @typedef {Float32Array | Int8Array | Uint8Array | Uint16Array | Uint32Array} TypedArray */
 
 /**
  * The part of an anywidget model that is used here.
@@ -21,7 +21,13 @@
  * @property {any} [widget_manager]  of Jupyter
  */
 
-const ARRAYS = { float32: Float32Array, uint8: Uint8Array, uint16: Uint16Array, uint32: Uint32Array };
+const ARRAYS = {
+  float32: Float32Array,
+  int8: Int8Array,
+  uint8: Uint8Array,
+  uint16: Uint16Array,
+  uint32: Uint32Array,
+};
 
 /**
  * A typed view of one array sent from Python; copies only if the bytes don't start at a multiple of the item size.

@@ -4,7 +4,12 @@ import { IDLE } from "../../src/input/gestures.js";
 import { hintOf } from "../../src/input/hints.js";
 
 const hit = { face: 1, part: 1, segment: 1 };
-const segments = { titleOf: () => "Segment 1", names: { 1: "chair" }, offcut: /** @type {any} */ (null) };
+const segments = {
+  titleOf: () => "Segment 1",
+  names: { 1: "chair" },
+  offcut: /** @type {any} */ (null),
+  noun: "face",
+};
 /** @param {object} gesture @param {"merge" | "brush" | "cut"} tool */
 const hint = (gesture, tool, isSought = false, more = {}) =>
   hintOf({ gesture: { ...IDLE, ...gesture }, tool }, { ...segments, ...more }, isSought);

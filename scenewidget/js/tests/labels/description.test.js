@@ -17,7 +17,7 @@ const partition = makePartition(
   0,
   mesh,
 );
-const context = { level: "base", names: { 0: "chair" }, confidence: new Float32Array([0.875]) };
+const context = { level: "base", names: { 0: "chair" }, confidence: new Float32Array([0.875]), noun: "face" };
 
 test("a face is told with its segment, size, confidence and part", () => {
   assert.equal(
@@ -28,6 +28,7 @@ test("a face is told with its segment, size, confidence and part", () => {
 
 test("what isn't known is left out", () => {
   assert.equal(describeFace(partition, 2, context), "Unlabeled");
+  assert.match(describeFace(partition, 0, { ...context, noun: "point" }), /2 points/);
   assert.equal(
     describeFace(partition, 0, { ...context, names: {}, confidence: null }),
     "Segment 0  ·  2 faces  ·  6.0 m²  ·  base part of 1 face",

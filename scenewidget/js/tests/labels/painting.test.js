@@ -41,7 +41,7 @@ test("what comes after a stroke is foreseen on the finer atoms", () => {
 });
 
 test("strokes that change nothing are refused", () => {
-  assert.equal(foresee(ground, labels, paint([2, 3], 2)), "These faces are in this segment already");
+  assert.equal(foresee(ground, labels, paint([2, 3], 2)), "All of that is in this segment already");
   assert.match(String(foresee(ground, labels, paint([2], 5))), /unlabeled/);
 });
 

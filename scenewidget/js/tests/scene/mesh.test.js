@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { readMesh } from "../../src/scene/mesh.js";
+import { nounOf } from "../../src/wire/traits.js";
 import { fakeModel } from "../page.js";
 
 function fake(up = [0, 0, 1]) {
@@ -30,4 +31,23 @@ test("without vertices there is none yet", () => {
   const model = fake();
   model.set("_vertices", null);
   assert.equal(readMesh(model), null);
+});
+
+test("points of a cloud are its faces, and their normals turn with them", () => {
+  const model = fakeModel({
+    _vertices: Float32Array.of(0, 0, 0, 1, 0, 0).buffer,
+    _areas: Float32Array.of(0.5, 0.25).buffer,
+    _normals: Int8Array.of(127, 0, 0, 127, 0, 0, 0, 0).buffer,
+    _headers: {
+      vertices: { dtype: "float32", shape: [2, 3] },
+      areas: { dtype: "float32", shape: [2] },
+      normals: { dtype: "int8", shape: [2, 4] },
+    },
+    _up: [1, 0, 0],
+  });
+  const cloud = readMesh(model);
+  assert.deepEqual([...(cloud?.faces ?? [])], [0, 0, 0, 1, 1, 1]);
+  assert.deepEqual([...(cloud?.normals ?? [])], [0, 0, 127, 127, 0, 0, 0, 0]);
+  assert.equal(nounOf(model), "point");
+  assert.equal(nounOf(fake()), "face");
 });

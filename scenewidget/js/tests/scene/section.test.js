@@ -62,7 +62,7 @@ function room(angle, hasCeiling = true) {
         faces.push(v, v + n + 1, v + n + 2, v, v + n + 2, v + 1);
       }
   }
-  return sample(new Float32Array(vertices), new Uint32Array(faces));
+  return sample({ vertices: new Float32Array(vertices), faces: new Uint32Array(faces) });
 }
 
 test("the extent follows the walls", () => {
