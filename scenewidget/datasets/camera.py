@@ -16,6 +16,7 @@ from scipy import ndimage, special
 from scenewidget.datasets.plan import Plan
 from scenewidget.datasets.scene import Scene
 from scenewidget.datasets.shapes import ripples
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray
 
 __all__ = ["FOCAL", "IMAGE", "Walk", "render", "sense", "walk_through"]
@@ -228,7 +229,7 @@ def _loss(depth: FloatArray, cosine: FloatArray, dropout: FloatArray) -> FloatAr
     return chance
 
 
-@numba.njit(parallel=True, cache=True)
+@kernel(parallel=True)
 def _rasterise(vertices, faces, rotations, shifts, focal, depth, face):  # type: ignore[no-untyped-def]
     """Depth buffer of every frame; frames are independent, so threads don't change the result."""
     n_frames, rows, columns = depth.shape

@@ -12,6 +12,7 @@ import numpy as np
 
 from scenewidget.datasets.camera import FOCAL, Walk
 from scenewidget.datasets.grid import BLOCK, Band
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray
 
 __all__ = ["fuse"]
@@ -54,7 +55,7 @@ def fuse(
     return band.with_values(np.where(np.isnan(fused), band.values, fused) if fill else fused)
 
 
-@numba.njit(parallel=True, cache=True)
+@kernel(parallel=True)
 def _integrate(blocks, rotations, shifts, depth, slant, focal, truncation, voxel, fused):  # type: ignore[no-untyped-def]
     """Mean of all readings at every node; a node belongs to one thread, so their number doesn't matter."""
     n_frames, rows, columns = depth.shape

@@ -11,12 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numba
 import numpy as np
 from scipy import sparse
 
 from scenewidget.editing.edits import Edit, Merge, Split
 from scenewidget.editing.session import Session
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.segmentation import Level, Segmentation
 
@@ -230,7 +230,7 @@ class Judge:
         return best, edit
 
 
-@numba.njit(cache=True)
+@kernel
 def _best_part(atoms, start, size, has_unlabeled, segment, indptr, indices, data, table, best):  # type: ignore[no-untyped-def]
     """Lowest 1 − RI below ``best``, by a part's move to another segment (−1: to a new one).
 
@@ -312,7 +312,7 @@ def _best_part(atoms, start, size, has_unlabeled, segment, indptr, indices, data
     return best, best_part, best_target
 
 
-@numba.njit(cache=True)
+@kernel
 def _taken(a, here, mass, r, table, things, n_used):  # type: ignore[no-untyped-def]
     """Change of Σ r² − 2 Σ n² when segment a loses its share of the part."""
     change = mass[a] * (mass[a] - 2 * r[a])

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
-import numba
 import numpy as np
 from scipy import sparse
 
@@ -19,6 +18,7 @@ from scenewidget.engine.allocation import allocate
 from scenewidget.engine.atoms import by_first_appearance
 from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.evidence import counted_together
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.monitor import SILENT, Monitor
@@ -405,7 +405,7 @@ def median_partition(C: FloatArray, weights: FloatArray, *, seed: int = 0, max_s
     return by_first_appearance(labels)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _best_moves(C, a, labels, order, max_sweeps):  # type: ignore[no-untyped-def]
     n = len(a)
     gain = np.zeros((n, n))  # gain[i, l] = Σ_j a_j (C_ij − ½) over the members of cluster l

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from typing import Literal
 
-import numba
 import numpy as np
 from scipy import sparse
 
 from scenewidget.engine.checks import checked_count
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import (
     BoolArray,
     FloatArray,
@@ -151,7 +151,7 @@ def _normals_everywhere(mesh: Mesh, pairs: IntArray) -> FloatArray:
     return np.where(has_area[:, None], mesh.face_normals, around[patch])
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _partition_from(  # type: ignore[no-untyped-def]
     seeds, indptr, indices, place, partition, n_partitions, seen_from, queue, slots
 ):

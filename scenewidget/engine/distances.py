@@ -14,12 +14,12 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
-import numba
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from scenewidget.engine.checks import warn_caller
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.engine.monitor import SILENT, Monitor
 
@@ -388,9 +388,7 @@ def _pattern(indptr: IntArray, indices: IntArray) -> tuple[IntArray, IntArray]:
     return fill_ptr, (np.sort(column + fill) - column).astype(np.int32)
 
 
-# The kernels below are plain loops over arrays that the caller made: what numpy says shorter takes seconds to
-# compile.
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _symbolic(begin, indptr, indices, fill_ptr, fill, mark, first_child, next_child):  # type: ignore[no-untyped-def]
     """Columns from ``begin`` to the one, returned, that might find no room; of a column any order."""
     n = len(mark)
@@ -426,7 +424,7 @@ def _symbolic(begin, indptr, indices, fill_ptr, fill, mark, first_child, next_ch
     return n
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _numeric(  # type: ignore[no-untyped-def]
     indptr, indices, data, fill_ptr, fill, values, where, columns, cursor
 ):
@@ -459,7 +457,7 @@ def _numeric(  # type: ignore[no-untyped-def]
             first_column[row] = a
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"nnan", "nsz"})
+@kernel(fastmath={"nnan", "nsz"})
 def _solve_strip(  # type: ignore[no-untyped-def]
     begin, places, order, indptr, indices, values, paths, is_reached, out
 ):
@@ -485,7 +483,7 @@ def _solve_strip(  # type: ignore[no-untyped-def]
             row[order[j]] = paths[j, i]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _mirror(D, first):  # type: ignore[no-untyped-def]
     """The smaller of D_ij and D_ji in both, for the rows of one strip and the columns from there on."""
     n = len(D)

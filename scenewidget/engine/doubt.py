@@ -14,10 +14,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 
 from scenewidget.engine.evidence import agreement_of_groups, counted_together
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.linkage import average_linkage
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.moments import Moments
@@ -616,7 +616,7 @@ def _spread(cuts: Cuts, p: FloatArray, worst: FloatArray) -> None:
     worst[cuts.order] = found
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _add_up(  # type: ignore[no-untyped-def]
     tree, ends, length, parent, sums, within, border, count, start
 ):

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 
-import numba
 import numpy as np
 
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.threads import one_blas_thread
 
@@ -100,9 +100,7 @@ def counted_together(table: IntArray, n_threads: int = 1, *, seen: bool = False)
     return out
 
 
-# The kernels below are plain loops over arrays that the caller made: what numpy says shorter takes seconds to
-# compile.
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _count(table, out, first, last):  # type: ignore[no-untyped-def]
     """Runs in which two rows fall in one cluster, of rows from ``first`` to all before."""
     for i in range(first, last):
@@ -114,7 +112,7 @@ def _count(table, out, first, last):  # type: ignore[no-untyped-def]
             out[j, i] = equal
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _fill(keys, weights, part, group, start, table, total):  # type: ignore[no-untyped-def]
     """Weight of each group in each cluster of each run, and altogether."""
     for e in range(len(part)):
@@ -125,7 +123,7 @@ def _fill(keys, weights, part, group, start, table, total):  # type: ignore[no-u
                 table[g, start[r] + keys[p, r]] += weights[e]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _gather(keys, asked, start, by_cluster, out):  # type: ignore[no-untyped-def]
     """Sum over the runs of what the part's cluster holds of each group."""
     for i in range(len(asked)):

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from scenewidget.engine.atoms import by_first_appearance
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.seam_lists import joined_along_seams
 
@@ -205,7 +205,7 @@ def join_along_seams(
     return by_first_appearance(roots)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _find(parent, i):  # type: ignore[no-untyped-def]
     while parent[i] != i:
         parent[i] = parent[parent[i]]
@@ -213,7 +213,7 @@ def _find(parent, i):  # type: ignore[no-untyped-def]
     return i
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _join(first, second, weight, size, threshold, min_size):  # type: ignore[no-untyped-def]
     """Label of each item and the number of labels; ``size`` begins with the sizes of the pieces then.
 
@@ -253,7 +253,7 @@ def _join(first, second, weight, size, threshold, min_size):  # type: ignore[no-
     return labels, count
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _between(piece, first, second):  # type: ignore[no-untyped-def]
     """Pieces on both sides of the edges that lie between two."""
     count = 0

@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import numba
 import numpy as np
 
 from scenewidget.engine.checks import checked_whole
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import IntArray
 
 __all__ = ["BACKENDS", "INITS", "TIES", "KMedoidsResult", "alternate", "initial_medoids", "k_medoids"]
@@ -298,9 +298,7 @@ def _run(D: Any, medoids: IntArray, to_first: bool) -> tuple[IntArray, IntArray,
     return labels, medoids, float(cost), n_iter
 
 
-# The kernels below are plain loops over arrays that the caller made: what numpy says shorter takes seconds to
-# compile.
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _assign(D, medoids, has_moved, first, nearest, labels, lost):  # type: ignore[no-untyped-def]
     """Label of the nearest medoid and the cost; ties go to the first medoid, medoids to themselves.
 
@@ -340,7 +338,7 @@ def _assign(D, medoids, has_moved, first, nearest, labels, lost):  # type: ignor
     return cost
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _update(D, medoids, labels, before, bound, to_first, scratch, starts):  # type: ignore[no-untyped-def]
     """Move each medoid to the member with the least sum of distances; of equal ones see `k_medoids`.
 
@@ -421,7 +419,7 @@ def _update(D, medoids, labels, before, bound, to_first, scratch, starts):  # ty
                     medoids[c] = i
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _carry_over(  # type: ignore[no-untyped-def]
     D, members, begin, end, before, cluster, leavers, left_from, left_to, n_came, came, bound
 ):
@@ -448,7 +446,7 @@ def _carry_over(  # type: ignore[no-untyped-def]
             bound[i] = (bound[i] + more) * (1.0 - 1e-10) - less * (1.0 + 1e-10)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _farthest_first(own, members, begin, end, farthest, out, count):  # type: ignore[no-untyped-def]
     """Members roughly by falling distance, which brings hopeless sums past the best soonest."""
     n_bins = end - begin if end - begin < 64 else 64

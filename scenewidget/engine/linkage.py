@@ -6,10 +6,10 @@ accumulation by linkage: Fred and Jain (2005), IEEE TPAMI 27(6); nearest-neighbo
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from scenewidget.engine.atoms import by_first_appearance
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray
 
 __all__ = ["average_linkage", "cut_tree"]
@@ -107,7 +107,7 @@ def cut_tree(tree: FloatArray, *, n_clusters: int | None = None, similarity: flo
     return by_first_appearance(parent[:n])
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _symmetrise(D):  # type: ignore[no-untyped-def]
     """Mean of D and its transpose, in place and by blocks that fit the cache.
 
@@ -121,7 +121,7 @@ def _symmetrise(D):  # type: ignore[no-untyped-def]
                     D[i, j] = D[j, i] = 0.5 * (D[i, j] + D[j, i])
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _chain(D, area, pairs, ends, height, alive, place, chain):  # type: ignore[no-untyped-def]
     """Merges by nearest-neighbour chains; D and ``pairs``, the mass of what was seen, are overwritten.
 
@@ -178,7 +178,7 @@ def _chain(D, area, pairs, ends, height, alive, place, chain):  # type: ignore[n
         place[alive[n_alive]] = place[x]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _label(ends, height, parent, size, tree):  # type: ignore[no-untyped-def]
     """From representatives, in order of height, to scipy's cluster numbers."""
     n = len(ends) + 1

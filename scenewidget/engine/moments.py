@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from scipy import sparse
 
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 
 __all__ = ["Moments", "face_moments", "group_moments", "mean_normals", "moment_origin"]
@@ -161,7 +161,7 @@ def group_moments(mesh: Mesh, group: IntArray, n_groups: int) -> Moments:
     return Moments(sums[:, 0], sums[:, 1:4], sums[:, 4:].reshape(-1, 3, 3))
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _add_moments(vertices, faces, areas, group, sums):  # type: ignore[no-untyped-def]
     """Add the area, the first and the second moments of each face to the row of its group."""
     for f in range(len(faces)):

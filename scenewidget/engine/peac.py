@@ -16,10 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import numba
 import numpy as np
 
 from scenewidget.engine.checks import checked_count
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.monitor import SILENT, Monitor
@@ -336,7 +336,7 @@ def _with_row_at(C: FloatArray, Y: FloatArray, cost: FloatArray, seed: int) -> F
     return Y
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _is_symmetric(A, absolute):  # type: ignore[no-untyped-def]
     n = len(A)
     for top in range(0, n, 64):  # in tiles: both halves stay in the cache
@@ -348,7 +348,7 @@ def _is_symmetric(A, absolute):  # type: ignore[no-untyped-def]
     return True
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _off_diagonal(C, a):  # type: ignore[no-untyped-def]
     """C without its diagonal as csr (indptr, indices, data), and Σ_j a_j c_ij² over it."""
     n = len(C)
@@ -369,7 +369,7 @@ def _off_diagonal(C, a):  # type: ignore[no-untyped-def]
     return (indptr, indices, data), squares
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _times(indptr, indices, data, X):  # type: ignore[no-untyped-def]
     """Sparse (csr) matrix times dense."""
     n, m = X.shape
@@ -383,7 +383,7 @@ def _times(indptr, indices, data, X):  # type: ignore[no-untyped-def]
     return out
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _quartic_step(slope, curvature, delta, rest, omega, limit):  # type: ignore[no-untyped-def]
     """Best t in [0, limit] for −slope·t + curvature·t²/2 + ω(rest − 2Δt − 2t²)²/4 − ω rest²/4.
 
@@ -427,7 +427,7 @@ def _quartic_step(slope, curvature, delta, rest, omega, limit):  # type: ignore[
     return best_t
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _solve_column(y, force, Q, a, omega, c_own, tolerance):  # type: ignore[no-untyped-def]
     """Minimise −p·y + yᵀ(Q − a·y₀y₀ᵀ)y/2 + ω(c − |y|²)²/4 over the simplex, from y = y₀.
 
@@ -474,7 +474,7 @@ def _solve_column(y, force, Q, a, omega, c_own, tolerance):  # type: ignore[no-u
     return first
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _sweep_rank_one(  # type: ignore[no-untyped-def]
     columns, indptr, indices, data, own, a, Y, P, S, diagonal, tolerance
 ):
@@ -513,7 +513,7 @@ def _sweep_rank_one(  # type: ignore[no-untyped-def]
     return worst
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _sweep_general(columns, C, own, W, Y, diagonal, tolerance):  # type: ignore[no-untyped-def]
     """Columns in turn with any weights: O(n · m²) each, less where the other columns are sparse."""
     n, m = Y.shape

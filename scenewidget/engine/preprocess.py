@@ -14,11 +14,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-import numba
 import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import (
     BoolArray,
     FloatArray,
@@ -535,7 +535,7 @@ def filter_normals(
 
 
 # reordered or fused arithmetic (all of fastmath) is hardly faster, and differs from processor to processor
-@numba.njit(cache=True, nogil=True, fastmath={"nnan", "ninf", "nsz"})
+@kernel(fastmath={"nnan", "ninf", "nsz"})
 def _sweep(here, there, areas, indptr, indices, width, start, stop):  # type: ignore[no-untyped-def]
     for i in range(start, stop):
         x, y, z = here[i, 0], here[i, 1], here[i, 2]

@@ -9,9 +9,9 @@ second end. ``head`` has the first entry of each region, −1 for none; ``after`
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray
 
 __all__ = ["insert", "joined_along_seams", "remove"]
@@ -76,9 +76,7 @@ def joined_along_seams(
     return roots
 
 
-# The kernels below are plain loops over arrays that the caller made: what numpy says shorter takes seconds to
-# compile.
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _join(  # type: ignore[no-untyped-def]
     parent, ends, sums, n_signed, length, limit, doubt, size, threshold,
     head, links, degree, seam_to, heap, weight, key,
@@ -145,7 +143,7 @@ def _join(  # type: ignore[no-untyped-def]
             entry = after[entry]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _rank(s, i, k, sums, length, doubt, heap, n_heap, weight, key):  # type: ignore[no-untyped-def]
     """Weigh a seam from i to k anew and put it where it belongs in the heap; how many are in it then."""
     most = 0.0
@@ -164,7 +162,7 @@ def _rank(s, i, k, sums, length, doubt, heap, n_heap, weight, key):  # type: ign
     return n_heap
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _drop(s, heap, n_heap, weight, key):  # type: ignore[no-untyped-def]
     """Take a seam out of the heap; how many are in it then."""
     n_heap -= 1
@@ -176,7 +174,7 @@ def _drop(s, heap, n_heap, weight, key):  # type: ignore[no-untyped-def]
     return n_heap
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _settle(s, heap, n_heap, weight, key):  # type: ignore[no-untyped-def]
     """Move a seam from its place in the heap up, or else down, to where it belongs."""
     at = heap[1, s]
@@ -197,7 +195,7 @@ def _settle(s, heap, n_heap, weight, key):  # type: ignore[no-untyped-def]
     heap[0, at], heap[1, s] = s, at
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _is_before(s, t, weight, key):  # type: ignore[no-untyped-def]
     if weight[s] != weight[t]:
         return weight[s] < weight[t]
@@ -208,7 +206,7 @@ def _is_before(s, t, weight, key):  # type: ignore[no-untyped-def]
     return s < t
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def insert(head, after, before, region, entry):  # type: ignore[no-untyped-def]
     """Put an entry at the head of a region's list."""
     after[entry], before[entry] = head[region], -1
@@ -217,7 +215,7 @@ def insert(head, after, before, region, entry):  # type: ignore[no-untyped-def]
     head[region] = entry
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def remove(head, after, before, region, entry):  # type: ignore[no-untyped-def]
     """Take an entry from a region's list."""
     if before[entry] >= 0:

@@ -5,9 +5,9 @@ Goes in: a sample of a surface with its normals. Comes out: a number from −1 (
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray
 
 __all__ = ["right_side_out"]
@@ -59,7 +59,7 @@ def right_side_out(centers: FloatArray, normals: FloatArray, areas: FloatArray) 
     return float(np.where(is_right, 1.0, -1.0)[says].sum() / len(starts))
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _nearest_facing(centers, normals, n_starts, reach):  # type: ignore[no-untyped-def]
     """How far before and behind each of the first points the nearest one lies that faces the other way."""
     before = np.empty(n_starts)

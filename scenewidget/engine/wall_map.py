@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from scipy import ndimage
 
 from scenewidget.engine.items import Items
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray
 
 __all__ = ["Seams", "WallMap", "wall_maps"]
@@ -177,7 +177,7 @@ def _value_map(points: _Points, cell: float, shift: tuple[float, float]) -> _Val
     return _ValueMap(weight, sums, winner)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _rasterise(  # type: ignore[no-untyped-def]
     rows, columns, values, area, item, weight, sums, winner, most, part
 ):

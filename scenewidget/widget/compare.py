@@ -260,7 +260,7 @@ class Compare(widgets.VBox):
     def _show_progress(self, stage: str, fraction: float) -> None:
         view = self.views[self._at]
         with self._lock, view.hold_sync():
-            view.status, view.progress = TITLES.get(stage, stage), fraction
+            view.status, view.progress = TITLES.get(stage, stage) + self._worker.aside, fraction
 
     def _show_error(self, error: BaseException) -> None:
         with self._lock:

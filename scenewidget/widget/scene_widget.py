@@ -416,7 +416,7 @@ class SceneWidget(widgets.VBox):
 
     def _show_progress(self, stage: str, fraction: float) -> None:
         with self._lock, self.view.hold_sync():
-            self.view.status = TITLES.get(stage, stage)
+            self.view.status = TITLES.get(stage, stage) + self._worker.aside
             self.view.progress = fraction
 
     def _show_result(self, params: Params, segmentation: Segmentation) -> None:

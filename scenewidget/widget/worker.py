@@ -13,6 +13,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from scenewidget.engine.kernels import compiling
 from scenewidget.engine.monitor import Cancelled
 
 __all__ = ["Newest", "Worker", "checked_timeout"]
@@ -112,6 +113,7 @@ class Worker:
     Parameters
     ----------
     on_progress : callable (stage, fraction)
+        Called once more when the stage must compile first; see `aside`.
     on_done : callable (result)
     on_error : callable (exception)
     on_cancelled : callable ()
@@ -140,6 +142,12 @@ class Worker:
         self._lock = threading.Lock()
         self._revision = 0
         self._cancel = threading.Event()  # of the newest task
+        self._compiles = False
+
+    @property
+    def aside(self) -> str:
+        """What to say behind the name of the stage: that it compiles, which it does once on a machine."""
+        return " (first run: compiling, once)" if self._compiles else ""
 
     @property
     def is_busy(self) -> bool:
@@ -169,9 +177,19 @@ class Worker:
         return self._newest.wait(timeout)
 
     def _perform(self, revision: int, task: Task, cancel: threading.Event) -> None:
+        at = ("", 0.0)
+
         def report(stage: str, fraction: float) -> None:
+            nonlocal at
+            self._compiles = self._compiles and stage == at[0]
+            at = stage, fraction
             if not cancel.is_set():
                 self._on_progress(stage, fraction)
+
+        def say_so() -> None:  # not from the thread that compiles: others wait for it, with locks held
+            if at[0] and not self._compiles:
+                self._compiles = True
+                threading.Thread(target=lambda: report(*at), daemon=True).start()
 
         def was_replaced() -> bool:
             with self._lock:
@@ -180,7 +198,8 @@ class Worker:
         try:
             if cancel.is_set():
                 raise Cancelled("cancelled before it began")
-            result = task(report, cancel)
+            with compiling(say_so):
+                result = task(report, cancel)
             if cancel.is_set():
                 raise Cancelled("cancelled at the end")
             self._on_done(result)

@@ -2,6 +2,7 @@
 
 import threading
 
+import numba
 import pytest
 
 from scenewidget.widget.worker import Newest, Worker, checked_timeout
@@ -90,3 +91,23 @@ def test_what_waits_can_be_dropped():
 def test_a_timeout_is_a_number_of_seconds(timeout, error):
     with pytest.raises(error, match="timeout must be a number of seconds or None, got"):
         checked_timeout(timeout)
+
+
+def test_a_stage_that_compiles_says_so_and_the_next_does_not():
+    said, told = [], threading.Event()
+
+    def show(stage, _):
+        said.append(stage + worker.aside)
+        if worker.aside:
+            told.set()
+
+    def task(progress, _):
+        progress("items", 0.0)
+        numba.njit(lambda x: x + 1)(1)
+        assert told.wait(10)
+        progress("finish", 0.0)
+
+    worker = Worker(on_progress=show, on_done=str, on_error=said.append, on_cancelled=str)
+    worker.submit(task)
+    assert worker.wait(20)
+    assert said == ["items", "items (first run: compiling, once)", "finish"]

@@ -9,9 +9,9 @@ import re
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import MeshError
 from scenewidget.engine.readers.colors import as_bytes
 from scenewidget.engine.readers.scan import Notes, Scan, check_promise, check_size
@@ -116,7 +116,7 @@ def _squeezed(
     return columns
 
 
-@numba.njit(cache=True)
+@kernel
 def _decompress(data, out):  # type: ignore[no-untyped-def]
     """LZF (Lehmann): literal runs and references back; number of bytes written, -1 on damage."""
     i, o = 0, 0

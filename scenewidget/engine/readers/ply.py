@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray, MeshError
 from scenewidget.engine.readers.colors import Texture, as_bytes, at_vertices, open_image
 from scenewidget.engine.readers.scan import Notes, Scan, check_promise
@@ -334,7 +334,7 @@ def _read_uneven(
     return int(end)
 
 
-@numba.njit(cache=True)
+@kernel
 def _walk(raw, start, n_rows, count_sizes, sizes, signed, is_big):  # type: ignore[no-untyped-def]
     """Place and length of each property of each row, and the end; −1 − rows where the bytes run out."""
     n = len(sizes)
@@ -415,7 +415,7 @@ def _text_rows(path: Path, values: FloatArray, at: int, element: _Element, colum
     return int(end)
 
 
-@numba.njit(cache=True)
+@kernel
 def _walk_numbers(values, start, n_rows, is_list):  # type: ignore[no-untyped-def]
     """As `_walk`, in numbers instead of bytes."""
     n = len(is_list)
