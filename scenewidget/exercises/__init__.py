@@ -29,6 +29,8 @@ _HOME = {  # notebook -> module that has its exercises
     "13": "heat",
     "14": "poisson",
     "15": "graph_cuts",
+    "16": "functional_maps",
+    "17": "projects",
 }
 
 
