@@ -27,6 +27,7 @@ What is where; ``help(sw.segment)`` and so on tell the rest:
 ``baselines``                           methods of others, to compare with
 ``SceneWidget``, ``SceneView``          the widget, and its picture alone
 ``Compare``                             two segmentations of a scan beside each other
+``Workbench``                           a queue of segmented scans to correct, for several people
 ``figures``, ``SpectralExplorer``       pictures that teach
 ``exercises``                           answers to the questions of the course, checked
 ======================================  =================================================================
@@ -57,6 +58,7 @@ if TYPE_CHECKING:
     from scenewidget.widget.compare import Compare
     from scenewidget.widget.scene_view import SceneView
     from scenewidget.widget.scene_widget import SceneWidget
+    from scenewidget.widget.workbench import Workbench
 
 _HOME = {  # public name -> module that defines it; resolved on first use, so that importing stays fast
     "Mesh": "engine.mesh",
@@ -80,6 +82,7 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "Compare": "widget.compare",
     "SceneView": "widget.scene_view",
     "SceneWidget": "widget.scene_widget",
+    "Workbench": "widget.workbench",
     "SpectralExplorer": "figures.spectral_explorer",
 }
 _MODULES = ("baselines", "datasets", "editing", "engine", "exercises", "figures", "metrics")
@@ -97,6 +100,7 @@ __all__ = [
     "Segmentation",
     "Session",
     "SpectralExplorer",
+    "Workbench",
     "__version__",
     "agreement",
     "baselines",

@@ -19,7 +19,7 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 SOURCES = ("package.json", "package-lock.json", "build.mjs", "src")
-BUNDLE = ("scene_view.js", "scene_view.css", "controls.js", "controls.css")
+BUNDLE = ("scene_view.js", "scene_view.css", "controls.js", "controls.css", "workbench.js", "workbench.css")
 STAMP = "sources.sha256"
 
 PING_SECONDS = 8

@@ -12,5 +12,7 @@
 ``memory``    how much a scan takes, expected and measured
 ``picture``   a small picture of a segmented scan
 ``progress``  how far a run is, for people
+``worklist``  what people have done with the results
+``dataset``   all of it in the layout of ScanNet, with a split and statistics
 ============  ==============================================================================
 """

@@ -21,9 +21,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 import scenewidget as sw
+from scenewidget.batch.dataset import scan_bytes
 from scenewidget.batch.folders import read_labels
 from scenewidget.editing.formats.seal import write_files
 
@@ -80,18 +79,9 @@ def _write_scan(mesh: sw.Mesh, options: argparse.Namespace) -> list[Path]:
             f"a scan can be written as {listed}, not as {options.target.name!r}; "
             "for labels, give their scan by --mesh"
         )
-    import trimesh
-
-    scene: Any = trimesh
-    colors: Any = None if mesh.vertex_colors is None else np.asarray(mesh.vertex_colors)
-    if isinstance(mesh, sw.PointCloud):
-        if kind != "ply":
-            raise ValueError(f"{options.source.name!r} is a point cloud, which is written as .ply only")
-        shape: Any = scene.PointCloud(mesh.vertices, colors=colors)
-    else:
-        shape = scene.Trimesh(mesh.vertices, mesh.faces, vertex_colors=colors, process=False, validate=False)
-    content = shape.export(file_type=kind)
-    data = content.encode() if isinstance(content, str) else bytes(content)
+    if isinstance(mesh, sw.PointCloud) and kind != "ply":
+        raise ValueError(f"{options.source.name!r} is a point cloud, which is written as .ply only")
+    data = scan_bytes(mesh, kind)
     return write_files(
         {options.target: [data]}, asked=options.target, overwrite=options.overwrite, inputs=[mesh.source]
     )

@@ -7,6 +7,8 @@ await build({
     { in: "src/panel/style.css", out: "scene_view" },
     { in: "src/controls/index.js", out: "controls" },
     { in: "src/controls/controls.css", out: "controls" },
+    { in: "src/workbench/index.js", out: "workbench" },
+    { in: "src/workbench/workbench.css", out: "workbench" },
   ],
   outdir: process.argv[2] ?? "../static",
   bundle: true,

@@ -18,6 +18,9 @@ const SHARED_WITH_CONTROLS = [
   "panel/theme.js",
 ];
 
+/** The queue of scans above a view is a third. */
+const SHARED_WITH_WORKBENCH = ["workbench", "wire", "panel/elements.js", "panel/theme.js"];
+
 /** Imports of each file, those of types included. */
 const imports = new Map(
   readdirSync(SOURCE, { recursive: true, encoding: "utf8" })
@@ -36,7 +39,7 @@ const folderOf = (/** @type {string} */ file) => (file.includes("/") ? file.spli
 
 test("every file is in a folder that has its place, and imports files that are there", () => {
   for (const [file, names] of imports) {
-    assert.ok(["", ...LAYERS, "controls"].includes(folderOf(file)), file);
+    assert.ok(["", ...LAYERS, "controls", "workbench"].includes(folderOf(file)), file);
     for (const name of names) assert.ok(imports.has(name), `${file} imports ${name}`);
   }
   assert.deepEqual(
@@ -56,11 +59,12 @@ test("a folder knows those below it alone", () => {
   }
 });
 
-test("the settings share with a view what they need alone", () => {
+test("settings and queue share with a view what they need alone", () => {
   for (const [file, names] of imports) {
-    if (folderOf(file) !== "controls") continue;
+    const allowed = { controls: SHARED_WITH_CONTROLS, workbench: SHARED_WITH_WORKBENCH }[folderOf(file)];
+    if (!allowed) continue;
     for (const name of names) {
-      const isShared = SHARED_WITH_CONTROLS.some((shared) => name === shared || folderOf(name) === shared);
+      const isShared = allowed.some((shared) => name === shared || folderOf(name) === shared);
       assert.ok(isShared, `${file} imports ${name}`);
     }
   }

@@ -1,0 +1,182 @@
+"""The whole dataset in the layout of ScanNet, with a train and a validation split and statistics."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Collection, Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from scenewidget.batch.worklist import STATES, Entry, Worklist
+from scenewidget.editing.formats import export
+from scenewidget.editing.formats.seal import write_files
+from scenewidget.engine.mesh import Mesh
+from scenewidget.engine.segmentation import Segmentation
+
+__all__ = ["export_dataset", "scan_bytes", "split"]
+
+
+def export_dataset(
+    worklist: Worklist,
+    target: str | Path,
+    *,
+    states: Collection[str] = ("done",),
+    validation: float = 0.2,
+    seed: int = 0,
+    scans: Path | None = None,
+    overwrite: bool = False,
+) -> pd.DataFrame:
+    """Write all scans and their labels as ScanNet has them.
+
+    In ``scans/<scene>``, ``<scene>_vh_clean_2.ply`` is the scan, ``<scene>.aggregation.json`` and
+    ``<scene>.segs.json`` are its objects. ``train.txt`` and ``validation.txt`` list the scenes;
+    ``scenes.csv`` and ``names.csv`` count.
+
+    Parameters
+    ----------
+    worklist : Worklist
+    target : path
+        Made if missing.
+    states : collection of str
+        Which scans: "new", "begun", "review", "done".
+    validation : float
+        Share of the scenes for validation, 0 to 1.
+    seed : int
+        Of the split.
+    scans : Path, optional
+        Where the scans are, if not where they were.
+    overwrite : bool
+        As of `export`.
+
+    Returns
+    -------
+    table : pandas.DataFrame
+        A row a scene, as in ``scenes.csv``: scan, scene, split, faces, segments, named, coverage, area (m²),
+        seconds of work.
+
+    Raises
+    ------
+    ValueError
+        No scan is in one of these states, an unknown state, or a share that is none.
+
+    Examples
+    --------
+    >>> export_dataset(None, "dataset", states=["finished"])
+    Traceback (most recent call last):
+        ...
+    ValueError: states may hold 'new', 'begun', 'review', 'done', got 'finished'
+    """
+    unknown = [state for state in states if state not in STATES]
+    if unknown:
+        raise ValueError(f"states may hold {', '.join(map(repr, STATES))}, got {unknown[0]!r}")
+    if not 0 <= validation <= 1:
+        raise ValueError(f"validation must lie in [0, 1], got {validation!r}")
+    chosen = [e for e in worklist.entries.values() if e.state in states and not e.has_failed]
+    if not chosen:
+        raise ValueError(
+            f"no scan is {' or '.join(states)} yet; correct some, or give states={STATES} for all of them"
+        )
+    place = Path(target)
+    scenes = _scene_names(entry.scan for entry in chosen)
+    train, held_out = split(scenes.values(), validation, seed)
+    rows, names = [], []
+    for entry in chosen:
+        mesh = worklist.mesh(entry, scans)
+        labels = worklist.labels(entry, mesh)
+        scene = scenes[entry.scan]
+        folder = place / "scans" / scene
+        folder.mkdir(parents=True, exist_ok=True)
+        ply = folder / f"{scene}_vh_clean_2.ply"
+        write_files({ply: [scan_bytes(mesh, "ply")]}, asked=ply, overwrite=overwrite, inputs=[mesh.source])
+        export(labels, mesh, folder / f"{scene}.aggregation.json", "scannet", overwrite=overwrite)
+        rows.append(_counted(entry, scene, labels, scene in held_out))
+        areas = np.bincount(labels.labels[labels.labels >= 0], mesh.face_areas[labels.labels >= 0])
+        names += [(name or "unannotated", float(area)) for name, area in zip(labels.names, areas)]
+    table = pd.DataFrame(rows)
+    counts = pd.DataFrame(names, columns=["name", "area"]).groupby("name")["area"].agg(["count", "sum"])
+    counts = counts.rename(columns={"count": "segments", "sum": "area"}).sort_values("area", ascending=False)
+    texts = {
+        "train.txt": "".join(f"{scene}\n" for scene in train),
+        "validation.txt": "".join(f"{scene}\n" for scene in held_out),
+        "scenes.csv": table.to_csv(index=False),
+        "names.csv": counts.round(3).to_csv(),
+    }
+    for name, text in texts.items():
+        write_files({place / name: [text.encode()]}, asked=place / name, overwrite=overwrite, inputs=[])
+    return table
+
+
+def split(scenes: Iterable[str], validation: float, seed: int) -> tuple[list[str], list[str]]:
+    """Scenes for training and for validation; one that comes along later moves hardly any other.
+
+    Parameters
+    ----------
+    scenes : iterable of str
+    validation : float
+        Share of the second.
+    seed : int
+
+    Examples
+    --------
+    >>> train, validation = split([f"{i}" for i in range(100)], 0.2, 0)
+    >>> len(train), len(validation)
+    (80, 20)
+    """
+    names = sorted(scenes)
+    lots = {name: hashlib.blake2b(f"{seed}:{name}".encode()).digest() for name in names}
+    drawn = set(sorted(names, key=lambda name: lots[name])[: round(validation * len(names))])
+    return [name for name in names if name not in drawn], [name for name in names if name in drawn]
+
+
+def scan_bytes(mesh: Mesh, kind: str) -> bytes:
+    """A scan as the content of a file, its faces in the same order; a cloud as PLY only.
+
+    Parameters
+    ----------
+    mesh : Mesh or PointCloud
+    kind : "ply" | "obj" | "glb" | "stl" | "off"
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> scan_bytes(analytic.square(2), "ply")[:3]
+    b'ply'
+    """
+    import trimesh
+
+    makers: Any = trimesh
+    colors: Any = None if mesh.vertex_colors is None else np.asarray(mesh.vertex_colors)
+    if mesh.is_cloud:
+        shape: Any = makers.PointCloud(mesh.vertices, colors=colors)
+    else:
+        shape = makers.Trimesh(mesh.vertices, mesh.faces, vertex_colors=colors, process=False, validate=False)
+    content = shape.export(file_type=kind)
+    return content.encode() if isinstance(content, str) else bytes(content)
+
+
+def _counted(entry: Entry, scene: str, labels: Segmentation, is_held_out: bool) -> dict[str, Any]:
+    return {
+        "scan": entry.scan,
+        "scene": scene,
+        "split": "validation" if is_held_out else "train",
+        "faces": labels.mesh.n_faces,
+        "segments": labels.n_segments,
+        "named": sum(1 for name in labels.names if name),
+        "coverage": round(labels.coverage, 4),
+        "area": round(float(labels.mesh.face_areas.sum()), 3),
+        "seconds": round(sum(entry.seconds.values()), 1),
+    }
+
+
+def _scene_names(scans: Iterable[str]) -> dict[str, str]:
+    """Scene of each scan: its name without suffix where that is unique, folders joined by underscores."""
+    names = sorted(scans)
+    bare = {scan: Path(scan).with_suffix("").as_posix().replace("/", "_") for scan in names}
+    taken = list(bare.values())
+    return {
+        scan: name if taken.count(name) == 1 else scan.replace("/", "_").replace(".", "_")
+        for scan, name in bare.items()
+    }

@@ -1,0 +1,490 @@
+"""A queue of scans to correct, in a notebook: pictures, states, doubt, and the editor on one of them.
+
+Goes in: the folder that `segment_all` wrote. Comes out: each scan's corrections in its project file, and
+beside it what has been done, by whom, and how long. Who has a scan open holds a lock on it, so several
+people may work on one folder.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import getpass
+import math
+import os
+import threading
+import weakref
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import anywidget
+import ipywidgets as widgets
+import traitlets
+
+from scenewidget.batch.dataset import export_dataset
+from scenewidget.batch.folders import labeled, named_alike, read_labels
+from scenewidget.batch.picture import PICTURE, thumbnail
+from scenewidget.batch.worklist import Entry, State, Stopwatch, Worklist
+from scenewidget.editing.files import FileLock, replacing
+from scenewidget.editing.session import Session
+from scenewidget.evaluation import METRICS, evaluate
+from scenewidget.hands import agreement
+from scenewidget.widget.bundle import bundled
+from scenewidget.widget.scene_widget import SceneWidget
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["QueueView", "Workbench"]
+
+MOST_PICTURES = 60  # that the page may ask for in one go
+_at_work: weakref.WeakValueDictionary[tuple[str, str, bool], Workbench] = weakref.WeakValueDictionary()
+
+
+class QueueView(anywidget.AnyWidget):
+    """The queue as the page shows it; `Workbench` drives it.
+
+    Examples
+    --------
+    >>> view = QueueView()
+    >>> view.current
+    ''
+    >>> view.close()
+    """
+
+    _esm = traitlets.Unicode().tag(sync=True)
+    _css = traitlets.Unicode().tag(sync=True)
+
+    rows: Any = traitlets.List().tag(sync=True)
+    """A dict a scan: scan, state, doubt, faces, segments, edits, seconds, people, error, before, now."""
+
+    current = traitlets.Unicode().tag(sync=True)
+    """The scan that is open; "" if none is."""
+
+    note = traitlets.Unicode().tag(sync=True)
+    """What happened last, for people."""
+
+    person = traitlets.Unicode().tag(sync=True)
+    """Who works."""
+
+    has_truth = traitlets.Bool(False).tag(sync=True)
+    """Whether errors are shown."""
+
+    height = traitlets.Int(320).tag(sync=True)
+    """Of the list, in pixels."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(_esm=bundled("workbench.js"), _css=bundled("workbench.css"), **options)
+
+
+class Workbench(widgets.VBox):
+    """A queue of segmented scans, and the editor on the one that is open; the last value of a cell.
+
+    The queue shows a picture of each scan, its state ("new", "begun", "to review", "done"), how much of it
+    is probably wrong, who worked on it how long, and errors where there is a truth. Sort, filter and search
+    it; open a scan by a double click or Enter; Done (D), To review (R), Next (N) and Previous (P) go on.
+    Every edit is in the scan's project file before the editor says "Saved".
+
+    Parameters
+    ----------
+    out : path
+        The folder that `segment_all` wrote, best with the formats "npz" and "swproj".
+    person : str, optional
+        Who works; by default the name of the account.
+    truth : folder, file or None
+        True labels, of the same names as the scans; what is done is compared with them.
+    own : bool
+        Whether each person corrects a copy of their own, ``<scan>.<person>.swproj``: then `agreement` tells
+        how far they agree. By default all share one project a scan.
+    scans : path, optional
+        The folder of the scans, if they are not where they were.
+    height : int
+        Of the editor's picture, in pixels.
+
+    Attributes
+    ----------
+    current : str
+        Name of the scan that is open; "" if none is.
+    editor : SceneWidget or None
+        On that scan.
+
+    Raises
+    ------
+    ValueError
+        Nothing of ours is in that folder, or it is a URL.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(4)  # 32 triangles
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> _ = sw.export(sw.Segmentation.from_labels(mesh, np.arange(32) // 16), mesh, f"{folder.name}/a.ply")
+    >>> run = sw.segment_all(f"{folder.name}/a.ply", f"{folder.name}/out", n_workers=0, progress=False)
+    >>> bench = sw.Workbench(f"{folder.name}/out", person="ann")
+    >>> bench.edit("a.ply")
+    >>> bench.editor.session.relabel(0, "floor").title
+    "Name 'floor'"
+    >>> bench.done()
+    >>> bench.to_frame()[["scan", "state", "edits"]].values.tolist()
+    [['a.ply', 'done', 1]]
+    >>> bench.close()
+    >>> folder.cleanup()
+    """
+
+    current = traitlets.Unicode("", read_only=True)
+    """The scan that is open; "" if none is."""
+
+    def __init__(
+        self,
+        out: str | os.PathLike[str],
+        person: str | None = None,
+        *,
+        truth: str | os.PathLike[str] | None = None,
+        own: bool = False,
+        scans: str | os.PathLike[str] | None = None,
+        height: int = 520,
+    ) -> None:
+        if not isinstance(out, str | os.PathLike):
+            raise TypeError(f"out must be a folder, got {type(out).__name__}")
+        if isinstance(out, str) and "://" in out:
+            raise ValueError(
+                f"a workbench wants a folder of this machine, and {out!r} is a URL: fetch it first"
+            )
+        person = _account() if person is None else str(person)
+        key = (os.path.realpath(out), person, own)
+        before = _at_work.get(key)
+        if before is not None:
+            before.close()  # a cell that was run again
+        self._work = Worklist(Path(out), person, own=own)
+        self._truth = {} if truth is None else {n: f.path for n, f in labeled(Path(truth)).items()}
+        self._scans = None if scans is None else Path(scans)
+        self._picture_height = height
+        self._lock = threading.RLock()
+        self._held: FileLock | None = None
+        self._watch = Stopwatch()
+        self._stop_hearing: Callable[[], None] | None = None
+        self.editor: SceneWidget | None = None
+        self.queue = QueueView(person=person, has_truth=bool(self._truth))
+        self.queue.on_msg(self._handle_message)
+        self._place = widgets.VBox()
+        super().__init__([self.queue, self._place])
+        self._show_rows()
+        _at_work[key] = self
+
+    def __repr__(self) -> str:
+        states = [entry.state for entry in self._work.entries.values()]
+        return f"Workbench({len(states)} scans, {states.count('done')} done)"
+
+    # --- what people and scripts do ---------------------------------------------------------------
+
+    def edit(self, scan: str) -> None:
+        """Open the editor on a scan; what is open is left as it is, saved.
+
+        Parameters
+        ----------
+        scan : str
+            Its name, as in `to_frame`.
+
+        Raises
+        ------
+        ValueError
+            No such scan, one that failed, or one that somebody has open.
+        FileNotFoundError
+            The scan or its labels are gone.
+        """
+        with self._lock:
+            entry = self._work.entries.get(scan)
+            if entry is None:
+                known = ", ".join(map(repr, list(self._work.entries)[:3]))
+                raise ValueError(f"there is no scan {scan!r}; there are {known} …")
+            if scan == self.current:
+                return
+            if entry.has_failed:
+                raise ValueError(f"{scan!r} has no segmentation to correct: {entry.row.get('error')}")
+            held, holder = self._work.lock(scan)
+            if held is None:
+                raise ValueError(f"{scan!r} is open elsewhere: {holder}")
+            try:
+                editor = self._editor_on(scan)
+            except BaseException:
+                held.release()
+                raise
+            self._leave()
+            self._held, self.editor = held, editor
+            self._watch = Stopwatch()
+            session = editor.session
+            if session is not None:
+                self._stop_hearing = session.observe(lambda _: self._take_edit(scan))
+            self._place.children = [editor]
+            self._show_current(scan)
+
+    def next(self) -> str:
+        """Open the scan after this one that is neither done nor open elsewhere, the most doubtful first.
+
+        Returns
+        -------
+        scan : str
+            "" if there is none.
+        """
+        return self._open_first(self._after(self.current))
+
+    def previous(self) -> str:
+        """Open the scan before this one, whatever its state; "" if there is none."""
+        order = self._work.order()
+        before = order[: order.index(self.current)] if self.current in order else []
+        return self._open_first(before[::-1], any_state=True)
+
+    def done(self) -> None:
+        """The scan that is open is right."""
+        self._mark("done")
+
+    def review(self) -> None:
+        """Somebody should look at the scan that is open again."""
+        self._mark("review")
+
+    def refresh(self) -> None:
+        """Show what others have done since."""
+        with self._lock:
+            self._work.refresh()
+            self._show_rows()
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row a scan: state, doubt, faces, segments, edits, seconds of work, people, error and errors."""
+        return self._work.to_frame()
+
+    def agreement(self) -> pd.DataFrame:
+        """How far people agree who correct copies of their own: `agreement`, a row a scan and pair.
+
+        Raises
+        ------
+        ValueError
+            No scan has been corrected by two.
+        """
+        import pandas as pd
+
+        tables = {}
+        for entry in self._work.entries.values():
+            files = {} if entry.has_failed else self._work.hands(entry)
+            if len(files) > 1:
+                mesh = self._work.mesh(entry, self._scans)
+                tables[entry.scan] = agreement({p: read_labels(f, mesh) for p, f in files.items()}, mesh)
+        if not tables:
+            raise ValueError(
+                "no scan has been corrected by two people; give each Workbench(…, person=…, own=True)"
+            )
+        return pd.concat(tables, names=["scan"])
+
+    def export(
+        self,
+        target: str | os.PathLike[str],
+        *,
+        states: Collection[str] = ("done",),
+        validation: float = 0.2,
+        seed: int = 0,
+        overwrite: bool = False,
+    ) -> pd.DataFrame:
+        """Write the whole dataset in ScanNet's layout, with a train and validation split and statistics.
+
+        Parameters
+        ----------
+        target : path
+        states : collection of str
+            Which scans: "new", "begun", "review", "done".
+        validation : float
+            Share of the scenes for validation.
+        seed : int
+            Of the split.
+        overwrite : bool
+            As of `sw.export`.
+
+        Returns
+        -------
+        table : pandas.DataFrame
+            A row a scene: its split and what it has.
+        """
+        options: dict[str, Any] = {"states": states, "validation": validation, "seed": seed}
+        return export_dataset(self._work, Path(target), **options, scans=self._scans, overwrite=overwrite)
+
+    def close(self) -> None:
+        """Leave the scan that is open, saved, and take the widgets off the page."""
+        if "_place" in vars(self):  # not if __init__ refused its folder
+            with self._lock:
+                self._leave()
+            self.queue.close()
+            self._place.close()
+        super().close()
+
+    # --- opening and leaving ----------------------------------------------------------------------
+
+    def _editor_on(self, scan: str) -> SceneWidget:
+        entry = self._work.entries[scan]
+        mesh = self._work.mesh(entry, self._scans)
+        self._work.open(scan, mesh).close()  # makes the project if there is none
+        truth = self._truth_of(scan)
+        labels = None if truth is None else read_labels(truth, mesh)
+        editor = SceneWidget(mesh, truth=labels, height=self._picture_height, autosave=False)
+        try:
+            editor.restore(self._work.project(entry))
+        except BaseException:
+            editor.close()
+            raise
+        return editor
+
+    def _truth_of(self, scan: str) -> Path | None:
+        name = named_alike(scan, self._truth)
+        return None if name is None else self._truth[name]
+
+    def _leave(self) -> None:
+        """Close what is open; called with the lock held."""
+        scan, editor, held = self.current, self.editor, self._held
+        if editor is None:
+            return
+        if self._stop_hearing is not None:
+            self._stop_hearing()
+        with contextlib.suppress(OSError):
+            self._note_work(scan, editor)
+        session = editor.session
+        editor.close()
+        if session is not None:
+            session.close()
+        self.editor, self._held, self._stop_hearing = None, None, None
+        self._place.children = []
+        if held is not None:
+            held.release()
+        self._show_current("")
+
+    def _note_work(self, scan: str, editor: SceneWidget, state: State | None = None) -> None:
+        session = editor.session
+        n = 0 if session is None else len(session.edits)
+        entry = self._work.entries[scan]
+        if state is None and n > 0 and entry.state == "new":
+            state = "begun"
+        spent = self._watch.tick()
+        if state is None and n == entry.edits and n == 0:
+            return  # somebody has only had a look
+        self._work.note(scan, state=state, seconds=spent, edits=n)
+
+    def _take_edit(self, scan: str) -> None:
+        """Something was edited: work goes on; what was done is begun again."""
+        with self._lock:
+            if scan != self.current or self.editor is None:
+                return
+            entry = self._work.entries[scan]
+            if entry.state in ("new", "done"):
+                with contextlib.suppress(OSError):
+                    self._note_work(scan, self.editor, "begun")
+                self._show_rows()
+
+    def _mark(self, state: State) -> None:
+        with self._lock:
+            editor, scan = self.editor, self.current
+            if editor is None or editor.session is None:
+                raise ValueError("no scan is open: open one first, by edit(scan) or next()")
+            self._note_work(scan, editor, state)
+            self._judge(scan, editor.session)
+            self._draw(self._work.entries[scan], editor.session)
+            self._show_rows()
+            self.queue.send({"kind": "redraw", "scan": scan})
+
+    def _judge(self, scan: str, session: Session) -> None:
+        truth = self._truth_of(scan)
+        if truth is None:
+            return
+        now = session.segmentation
+        found = evaluate({"": now}, read_labels(truth, session.mesh), session.mesh).loc[""]
+        self._work.note(scan, errors={name: float(found[name]) for name in METRICS})
+
+    def _draw(self, entry: Entry, session: Session) -> None:
+        with contextlib.suppress(OSError), replacing(entry.folder / PICTURE) as temporary:
+            temporary.write_bytes(thumbnail(session.segmentation))
+
+    def _after(self, scan: str) -> list[str]:
+        order = self._work.order()
+        at = order.index(scan) + 1 if scan in order else 0
+        return order[at:] + order[:at]
+
+    def _open_first(self, scans: list[str], *, any_state: bool = False) -> str:
+        for scan in scans:
+            entry = self._work.reread(scan)
+            if scan == self.current or (entry.state == "done" and not any_state):
+                continue
+            held, _ = self._work.lock(scan)
+            if held is None:
+                continue  # open elsewhere
+            held.release()
+            self.edit(scan)
+            return scan
+        return ""
+
+    # --- the page ---------------------------------------------------------------------------------
+
+    def _show_current(self, scan: str) -> None:
+        self.set_trait("current", scan)
+        self.queue.current, self.queue.note = scan, ""
+        self._show_rows()
+
+    def _show_rows(self) -> None:
+        self.queue.rows = [_shown(entry) for entry in self._work.entries.values()]
+
+    def _handle_message(self, _: Any, message: Any, __: Any) -> None:
+        kind = message.get("kind") if isinstance(message, dict) else None
+        if kind == "pictures":
+            self._send_pictures(message.get("scans"))
+            return
+        try:
+            scans = [scan for scan in message.get("scans", ()) if scan in self._work.entries]
+            if kind == "open" and scans:
+                self.edit(scans[0])
+            elif kind == "next":
+                self._go_on(scans)
+            elif kind == "previous":
+                self._go_on(scans, any_state=True)
+            elif kind in ("done", "review"):
+                self._mark(kind)
+                if kind == "done":
+                    self._go_on(scans)
+            elif kind == "refresh":
+                self.refresh()
+        except (OSError, ValueError, TypeError) as error:
+            self.queue.note = str(error)
+
+    def _go_on(self, scans: list[str], *, any_state: bool = False) -> None:
+        if not self._open_first(scans, any_state=any_state):
+            self.queue.note = "Nothing else is left here: choose other filters, or have a break"
+
+    def _send_pictures(self, scans: Any) -> None:
+        wanted = [s for s in scans or () if s in self._work.entries][:MOST_PICTURES]
+        found = self._work.pictures(wanted)
+        if wanted:
+            self.queue.send({"kind": "pictures", "asked": wanted, "scans": list(found)}, list(found.values()))
+
+
+def _shown(entry: Entry) -> dict[str, Any]:
+    """What the page shows of an entry."""
+    return {
+        "scan": entry.scan,
+        "state": "failed" if entry.has_failed else entry.state,
+        "doubt": entry.row.get("doubt"),
+        "faces": entry.row.get("faces"),
+        "segments": entry.row.get("segments"),
+        "edits": entry.edits,
+        "seconds": round(sum(entry.seconds.values())),
+        "people": sorted(entry.seconds),
+        "error": entry.row.get("error") or "",
+        "before": _number(entry.row.get("rand_index_error")),
+        "now": _number(entry.errors.get("rand_index_error")),
+    }
+
+
+def _number(value: Any) -> float | None:
+    return float(value) if isinstance(value, int | float) and math.isfinite(value) else None
+
+
+def _account() -> str:
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError, ImportError):  # no account has this number
+        return "somebody"

@@ -1,0 +1,105 @@
+"""The queue of scans, driven as the page drives it."""
+
+import json
+
+import numpy as np
+import pytest
+import shapes
+
+import scenewidget as sw
+
+
+@pytest.fixture
+def out(tmp_path):
+    """Two segmented scans, the second more doubtful, and true labels of it."""
+    mesh = shapes.sheet(4, 4, width=2.0, depth=2.0)
+    halves = sw.Segmentation.from_labels(mesh, np.arange(32) // 16)
+    for k, name in enumerate("ab"):
+        folder = tmp_path / "out" / f"{name}.ply"
+        folder.mkdir(parents=True)
+        source = tmp_path / f"{name}.ply"
+        sw.export(halves, mesh, source)
+        sw.export(halves, sw.load(source), folder / f"{name}.npz")
+        row = {"scan": f"{name}.ply", "key": "f", "files": {f"{name}.npz": [1, 1]}, "source": str(source)}
+        (folder / "row.json").write_text(json.dumps(row | {"doubt": k / 10, "faces": 32, "segments": 2}))
+    (tmp_path / "truth").mkdir()
+    sw.export(sw.Segmentation.from_labels(mesh, np.zeros(32, int)), mesh, tmp_path / "truth" / "b.npz")
+    return tmp_path / "out"
+
+
+def press(bench, kind, *scans):
+    bench.queue._handle_custom_msg({"kind": kind, "scans": list(scans)}, [])
+
+
+def test_from_the_queue_through_the_editor_to_done(out, tmp_path):
+    bench = sw.Workbench(out, "ann", truth=tmp_path / "truth")
+    assert bench.next() == "b.ply"
+    assert bench.queue.current == "b.ply"
+    assert bench.editor.scores  # it has a truth
+    bench.editor.session.merge(0, 31)
+    row = next(row for row in bench.queue.rows if row["scan"] == "b.ply")
+    assert (row["state"], row["edits"]) == ("begun", 1)
+    press(bench, "done", "a.ply")
+    assert bench.current == "a.ply"
+    table = bench.to_frame().set_index("scan")
+    assert table.state.to_dict() == {"a.ply": "new", "b.ply": "done"}
+    assert table.error_now["b.ply"] == 0
+    assert table.people["b.ply"] == "ann"
+    press(bench, "next", "b.ply")
+    assert "Nothing else is left" in bench.queue.note
+    press(bench, "previous", "b.ply")
+    assert bench.current == "b.ply"
+    assert len(bench.editor.session.edits) == 1  # kept in its project
+    bench.close()
+
+
+def test_what_somebody_has_open_is_passed_over_and_given_free_at_the_end(out):
+    ann, bob = sw.Workbench(out, "ann"), sw.Workbench(out, "bob")
+    ann.edit("b.ply")
+    press(bob, "open", "b.ply")
+    assert "'b.ply' is open elsewhere: another kernel or script" in bob.queue.note
+    assert bob.next() == "a.ply"
+    ann.close()
+    bob.edit("b.ply")
+    again = sw.Workbench(out, "bob")  # the cell is run again: the newest has it
+    again.edit("b.ply")
+    again.close()
+
+
+def test_pictures_come_when_they_are_asked_for(out, monkeypatch):
+    (out / "a.ply" / "picture.jpg").write_bytes(b"jpeg")
+    bench, sent = sw.Workbench(out, "ann"), []
+    monkeypatch.setattr(bench.queue, "send", lambda content, buffers=None: sent.append((content, buffers)))
+    press(bench, "pictures", "a.ply", "b.ply", "../a.ply")
+    assert sent == [({"kind": "pictures", "asked": ["a.ply", "b.ply"], "scans": ["a.ply"]}, [b"jpeg"])]
+    bench.close()
+
+
+def test_two_people_on_copies_of_their_own_can_be_compared(out):
+    with pytest.raises(ValueError, match="no scan has been corrected by two"):
+        sw.Workbench(out, "ann", own=True).agreement()
+    for person in ("ann", "bob"):
+        bench = sw.Workbench(out, person, own=True)
+        bench.edit("b.ply")
+        if person == "bob":
+            bench.editor.session.merge(0, 31)
+        bench.done()
+        bench.close()
+    table = bench.agreement()
+    assert table.index.tolist() == [("b.ply", "ann", "bob")]
+    assert table[["n_first", "n_second"]].values.tolist() == [[2, 1]]
+
+
+def test_bad_input_is_explained(out, tmp_path):
+    with pytest.raises(ValueError, match="no results in"):
+        sw.Workbench(tmp_path / "truth")
+    with pytest.raises(ValueError, match="is a URL: fetch it first"):
+        sw.Workbench("s3://bucket/out")
+    with pytest.raises(TypeError, match="out must be a folder"):
+        sw.Workbench(3)
+    bench = sw.Workbench(out)
+    with pytest.raises(ValueError, match="there is no scan"):
+        bench.edit("c.ply")
+    with pytest.raises(ValueError, match="no scan is open"):
+        bench.done()
+    bench.close()
