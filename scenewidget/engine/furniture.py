@@ -14,7 +14,7 @@ from scenewidget.engine.atoms import renumbered
 from scenewidget.engine.consensus import CoAssociation
 from scenewidget.engine.hull import segment_planes
 from scenewidget.engine.items import Items
-from scenewidget.engine.mesh import IntArray
+from scenewidget.engine.mesh import FloatArray, IntArray
 
 __all__ = ["join_furniture"]
 
@@ -72,22 +72,33 @@ def join_furniture(
     area = np.maximum(np.bincount(group[group >= 0], items.areas[group >= 0], n), 1e-300)
     agreement = co.between(group, items.areas, n) / np.outer(area, area)
     is_free = ~segment_planes(items, labels).is_hull[touching]
-    group = np.arange(n)
-    while True:
-        total = seam.sum(axis=1)
-        fewer = np.minimum(total[:, None], total)
-        fits = (seam > 0) & (seam >= touch[0] * fewer) & (seam <= touch[1] * fewer)
-        fits &= is_free[:, None] & is_free & (agreement >= similarity)
-        if not fits.any():
-            break
-        i, j = np.unravel_index(np.argmax(np.where(fits, agreement, -1.0)), fits.shape)
+    group, total = np.arange(n), seam.sum(axis=1)
+
+    def candidates(rows: slice) -> FloatArray:
+        """Agreement of the pairs that may join, −1 for all others."""
+        fewer = np.minimum(total[rows, None], total)
+        fits = (seam[rows] > 0) & (seam[rows] >= touch[0] * fewer) & (seam[rows] <= touch[1] * fewer)
+        fits &= is_free[rows, None] & is_free & (agreement[rows] >= similarity)
+        return np.where(fits, agreement[rows], -1.0)
+
+    value = candidates(slice(None))
+    best = value.max(axis=1)
+    while best.max() >= 0:
+        i = int(best.argmax())
+        j = int(value[i].argmax())
         both = (area[i] * agreement[i] + area[j] * agreement[j]) / (area[i] + area[j])
         agreement[i], agreement[:, i] = both, both
         area[i] += area[j]
         seam[i] += seam[j]
         seam[:, i] = seam[i]
         seam[i, i] = seam[j] = seam[:, j] = 0.0
+        total[i], total[j] = seam[i].sum(), 0.0
         group[group == j] = i
+        changes = (value[:, i] >= 0) | (value[:, j] >= 0) | (seam[i] > 0)  # only pairs with either change
+        changes[[i, j]] = True
+        value[j] = value[:, j] = -1.0
+        value[i] = value[:, i] = candidates(slice(i, i + 1))
+        best[changes] = value[changes].max(axis=1)
     joined = np.arange(int(labels.max()) + 1)
     joined[touching] = touching[group]
     return renumbered(joined, labels)
