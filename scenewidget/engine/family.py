@@ -160,7 +160,12 @@ def fine_pieces(items: Items, co: CoAssociation, tree: FloatArray) -> IntArray:
 
 
 def make_family(
-    segmentation: Segmentation, fine: IntArray, co: CoAssociation, *, min_area: float = 0.0
+    segmentation: Segmentation,
+    fine: IntArray,
+    co: CoAssociation,
+    *,
+    min_area: float = 0.0,
+    bridges: IntArray | None = None,
 ) -> Family:
     """The nested family that runs through a segmentation.
 
@@ -175,6 +180,8 @@ def make_family(
     min_area : float
         Smaller pieces (m² in a room, square units of a smaller scene) go to the piece of their segment that
         they agree with most, neighbours first.
+    bridges : (n, 2) int32, optional
+        `pieces.close_borders` of the mesh, if they are at hand.
 
     Returns
     -------
@@ -232,7 +239,11 @@ def make_family(
         np.array([step[:2] for step in steps], dtype=np.int32).reshape(-1, 2),
         np.array([step[2] for step in steps], dtype=np.float64),
         make_pieces(
-            segmentation.mesh, items.to_faces(piece, -1), items.to_faces(co.base, -1), scale=items.scale
+            segmentation.mesh,
+            items.to_faces(piece, -1),
+            items.to_faces(co.base, -1),
+            scale=items.scale,
+            bridges=bridges,
         ),
         np.bincount(piece[keep], seen[keep], len(kept)).astype(np.float64),
         items,

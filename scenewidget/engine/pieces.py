@@ -16,7 +16,7 @@ from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, face_
 from scenewidget.engine.moments import Moments, group_moments
 from scenewidget.engine.scale import scene_scale
 
-__all__ = ["Pieces", "make_pieces"]
+__all__ = ["Pieces", "close_borders", "make_pieces"]
 
 BRIDGE = 0.06  # times the scale: faces at borders this near to each other touch, as in `items`
 
@@ -99,6 +99,7 @@ def make_pieces(
     adjacency: IntArray | None = None,
     *,
     scale: float | None = None,
+    bridges: IntArray | None = None,
 ) -> Pieces:
     """The graph of pieces of a segmentation.
 
@@ -111,6 +112,8 @@ def make_pieces(
         `face_adjacency` of the mesh, if it is at hand: half of the time.
     scale : float, optional
         Metres in a unit of the scene; by default that of its surface, see `scale.scene_scale`.
+    bridges : (n, 2) int32, optional
+        `close_borders` of the mesh, if they are at hand.
 
     Returns
     -------
@@ -138,9 +141,9 @@ def make_pieces(
     first_face = np.zeros(n, dtype=np.int64)
     first_face[index[::-1]] = np.flatnonzero(keep)[::-1]
     vectors = np.stack([np.bincount(index, v[keep], n) for v in mesh.face_vectors.T], axis=1)
-    pairs, length = _seams(
-        mesh, face_piece, n, face_adjacency(mesh) if adjacency is None else adjacency, scale
-    )
+    adjacency = face_adjacency(mesh) if adjacency is None else adjacency
+    bridges = close_borders(mesh, adjacency, scale) if bridges is None else bridges
+    pairs, length = _seams(mesh, face_piece, n, adjacency, bridges)
     return Pieces(
         labels,
         face_piece,
@@ -156,12 +159,36 @@ def make_pieces(
     )
 
 
+def close_borders(mesh: Mesh, adjacency: IntArray, scale: float) -> IntArray:
+    """(n, 2) int32 faces at borders of different fragments so near to each other that they touch.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    adjacency : (n, 2) int32
+        `face_adjacency` of the mesh.
+    scale : float
+        Metres in a unit of the scene.
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.mesh import face_adjacency
+    >>> from scenewidget.engine.pieces import close_borders
+    >>> one = square(1, size=0.03)
+    >>> mesh = sw.Mesh([*one.vertices, *(one.vertices + [0.031, 0, 0])], [*one.faces, *(one.faces + 4)])
+    >>> close_borders(mesh, face_adjacency(mesh), 1.0).tolist()
+    [[0, 3]]
+    """
+    return find_bridges(mesh, adjacency, BRIDGE * scale)
+
+
 def _seams(
-    mesh: Mesh, piece: IntArray, n: int, adjacency: IntArray, scale: float
+    mesh: Mesh, piece: IntArray, n: int, adjacency: IntArray, bridges: IntArray
 ) -> tuple[IntArray, FloatArray]:
     """Pairs of pieces that touch, and for how long."""
     shared = adjacency[_crosses(piece, adjacency)]
-    bridges = find_bridges(mesh, adjacency, BRIDGE * scale)
     bridges = bridges[_crosses(piece, bridges)]
     # a bridge stands for a side of an equilateral triangle of the area of the smaller face
     across = 1.52 * np.sqrt(np.minimum(*mesh.face_areas[bridges].T)) if len(bridges) else np.zeros(0)

@@ -356,6 +356,7 @@ def segmentation_of_items(
     keys: IntArray,
     runs: Mapping[str, int],
     adjacency: IntArray | None = None,
+    bridges: IntArray | None = None,
 ) -> Segmentation:
     """What was found of the items, on the faces of the mesh as loaded.
 
@@ -375,8 +376,8 @@ def segmentation_of_items(
         Cluster of each item in each run.
     runs : mapping of str to int
         How many of these are of which kind, in their order: "k-medoids", "graph".
-    adjacency : (n, 2) int32, optional
-        `face_adjacency` of the mesh, if it is at hand.
+    adjacency, bridges : (n, 2) int32, optional
+        `face_adjacency` and `pieces.close_borders` of the mesh, if they are at hand.
 
     Warns
     -----
@@ -408,7 +409,7 @@ def segmentation_of_items(
     face_base = items.to_faces(base, -1)
     keys = keys[np.unique(base, return_index=True)[1]]
     dense.flags.writeable = False
-    pieces = make_pieces(mesh, dense, face_base, adjacency, scale=items.scale)
+    pieces = make_pieces(mesh, dense, face_base, adjacency, scale=items.scale, bridges=bridges)
     doubt = doubts(pieces, keys, runs, n_segments=len(kept))
     return Segmentation(
         mesh,

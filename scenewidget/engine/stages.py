@@ -55,6 +55,7 @@ from scenewidget.engine.monitor import Monitor
 from scenewidget.engine.operators import Eigenbasis, eigenbasis
 from scenewidget.engine.orientation import Orientation, oriented, warn_of_mixed_winding
 from scenewidget.engine.params import Params
+from scenewidget.engine.pieces import close_borders
 from scenewidget.engine.segmentation import Segmentation, segmentation_of_items
 from scenewidget.engine.threads import n_threads
 
@@ -77,7 +78,8 @@ TITLES = {  # what people read while a step runs
     "consensus": "Finding the consensus",
     "finish": "Tidying segments up",
     "segmentation": "Labeling every face",
-    "family": "Finding coarser and finer segments",
+    "nested": "Finding coarser and finer segments",
+    "family": "Cutting out as many segments as asked for",
     "granularity": "Choosing the granularity",
 }
 
@@ -216,13 +218,14 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
     step("finish", _finish, "items", "coassociation", "consensus", recalls="items",
          furniture=p.furniture_similarity, **tidy)
     step("segmentation", _segmentation, "mesh", "adjacency", "items", "dihedral", "ensemble", "coassociation",
-         "finish", runs=(("k-medoids", p.n_runs), ("graph", p.n_graph_runs)))
+         "finish", recalls="items", runs=(("k-medoids", p.n_runs), ("graph", p.n_graph_runs)))
     asked = p.n_segments if p.consensus == "linkage" and p.n_segments != "auto" else None
     if asked is not None or p.granularity is not None:
         if p.consensus != "linkage":
             step("tree", _tree, "coassociation")
-        step("family", _family, "items", "coassociation", "tree", "segmentation", recalls="items",
-             through=asked, **tidy)
+        step("nested", _nested, "mesh", "adjacency", "items", "coassociation", "tree", "segmentation",
+             recalls="items", **tidy)
+        step("family", _family, "nested", through=asked)
         step("granularity", _granularity, "family",
              n_segments=asked if p.granularity is None else p.granularity)
     # fmt: on
@@ -455,14 +458,29 @@ def _segmentation(
     labels: IntArray,
     *,
     monitor: Monitor,
+    recall: Recall,
     runs: tuple[tuple[str, int], ...],
 ) -> Segmentation:
     return segmentation_of_items(
-        mesh, items, labels, dihedral=dihedral, base=co.base, keys=keys, runs=dict(runs), adjacency=adjacency
+        mesh,
+        items,
+        labels,
+        dihedral=dihedral,
+        base=co.base,
+        keys=keys,
+        runs=dict(runs),
+        adjacency=adjacency,
+        bridges=_bridges(mesh, adjacency, items, recall),
     )
 
 
-def _family(
+def _bridges(mesh: Mesh, adjacency: IntArray, items: Items, recall: Recall) -> IntArray:
+    return recall("close borders", lambda: close_borders(mesh, adjacency, items.scale))
+
+
+def _nested(
+    mesh: Mesh,
+    adjacency: IntArray,
     items: Items,
     co: CoAssociation,
     tree: FloatArray,
@@ -470,16 +488,20 @@ def _family(
     *,
     monitor: Monitor,
     recall: Recall,
-    through: int | None,
     min_area: float,
     **tidy: Any,
 ) -> Family:
-    """The family that runs through the segmentation, seen from its cut into ``through`` segments."""
+    """The family that runs through the segmentation."""
     fine = fine_pieces(items, co, tree)
     fine = tidied(
         items, fine, min_area=min_area, **tidy, n_threads=n_threads(), recall=recall, monitor=monitor
     )
-    family = make_family(segmentation, fine, co, min_area=min_area)
+    bridges = _bridges(mesh, adjacency, items, recall)
+    return make_family(segmentation, fine, co, min_area=min_area, bridges=bridges)
+
+
+def _family(family: Family, *, monitor: Monitor, through: int | None) -> Family:
+    """The same family, seen from its cut into ``through`` segments."""
     if through is None:
         return family
     return dataclasses.replace(family, segmentation=_granularity(family, monitor=monitor, n_segments=through))

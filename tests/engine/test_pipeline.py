@@ -81,7 +81,7 @@ def test_after_any_walk_of_changes_the_memo_gives_what_a_fresh_run_gives(walk, f
 
 
 FINISH = {"finish", "segmentation"}
-CUT = {"family", "granularity"}
+CUT = {"nested", "family", "granularity"}
 ENSEMBLE = {"ensemble", "coassociation", "tree", "consensus"} | FINISH
 DISTANCES = {"distances"} | ENSEMBLE
 GRAPH_RUNS = {"graph_runs"} | ENSEMBLE
@@ -143,6 +143,12 @@ def test_another_s_takes_the_same_trees_for_peac():
     pipe, params = Pipeline(ROOM), FAST.replace(consensus="peac", k_range=(20, 25))
     pipe.run(params)
     assert recomputed(pipe, params.replace(n_segments=5)) == {"consensus"} | FINISH
+
+
+def test_another_s_is_cut_from_the_same_family():
+    pipe, params = Pipeline(ROOM), FAST.replace(k_range=(20, 25))
+    pipe.run(params.replace(n_segments=6))
+    assert recomputed(pipe, params.replace(n_segments=7)) == {"family", "granularity"}
 
 
 def test_k_follows_the_number_of_segments_where_no_range_is_given():
