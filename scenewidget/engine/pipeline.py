@@ -6,7 +6,6 @@ Goes in: a mesh and `Params`. Comes out: a `Segmentation`. What the steps are, i
 
 from __future__ import annotations
 
-import dataclasses
 import threading
 import time
 from collections.abc import Mapping, Sequence
@@ -165,7 +164,7 @@ class Pipeline:
         table = stages(params)
         last = next(reversed(table))
         result: Segmentation = self._compute(last, table, Monitor(progress, cancel), timings)
-        return dataclasses.replace(result, timings=timings)
+        return result.with_timings(timings)
 
     def family(
         self,

@@ -43,7 +43,8 @@ class Segmentation:
         renumbered by `from_labels`; the constructor wants them dense already.
     confidence : (n_faces,) float32, optional
         Probability that the face is right: that its segment is mostly of its thing, and its thing mostly in
-        its segment (`engine.doubt`); 1 where nothing is known, 0 where unlabeled.
+        its segment (`engine.doubt`). By default it is found on first use (half a second at a million faces)
+        where ``keys`` are known; otherwise it is 1, and 0 where unlabeled.
     levels : mapping of level to (n_faces,) int32
         Part ids of the recommendation levels "dihedral" and "base" (thesis 3.6); -1 unlabeled.
     names : sequence of str
@@ -78,7 +79,7 @@ class Segmentation:
 
     mesh: Mesh
     labels: IntArray
-    confidence: FloatArray = None  # type: ignore[assignment]  # set below where not given
+    confidence: FloatArray = field(default_factory=lambda: None)  # type: ignore[arg-type,return-value]  # see below
     levels: Mapping[str, IntArray] = field(default_factory=dict)
     names: Sequence[str] = ()
     keys: IntArray | None = None
@@ -101,8 +102,6 @@ class Segmentation:
                 "labels must be -1 or 0, 1, 2, … without gaps; "
                 "Segmentation.from_labels(mesh, labels) renumbers"
             )
-        confidence = np.where(labels >= 0, 1.0, 0.0) if self.confidence is None else self.confidence
-        confidence = _face_array("confidence", confidence, n, np.float32)
         levels = {}
         for name, parts in self.levels.items():
             if name not in LEVELS:
@@ -113,9 +112,13 @@ class Segmentation:
         if len(names) != highest + 1:
             raise ValueError(f"names must have one entry a segment: {highest + 1}, got {len(names)}")
         keys = None if self.keys is None else _checked_keys(self.keys, levels.get("base"))
+        confidence = vars(self).pop("confidence", None)
+        if confidence is None and keys is None:
+            confidence = np.where(labels >= 0, 1.0, 0.0)
+        if confidence is not None:  # otherwise `__getattr__` finds it when it is asked for
+            vars(self)["confidence"] = _face_array("confidence", confidence, n, np.float32)
         for key, value in (
             ("labels", labels),
-            ("confidence", confidence),
             ("levels", MappingProxyType(levels)),
             ("names", names),
             ("keys", keys),
@@ -126,6 +129,14 @@ class Segmentation:
         if self.doubt is not None and self.doubt.pieces.labels is not labels:  # of labels replaced since
             object.__setattr__(self, "doubt", None)
 
+    def __getattr__(self, name: str) -> Any:
+        if name != "confidence" or "keys" not in vars(self):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        confidence = confidence_of(self.find_doubt())
+        confidence.flags.writeable = False
+        object.__setattr__(self, "confidence", confidence)
+        return confidence
+
     def __getstate__(self) -> dict[str, Any]:
         """For `pickle` and `copy.deepcopy`; what may be wrong is found again when it is asked for."""
         plain = {"levels": dict(self.levels), "timings": dict(self.timings), "report": dict(self.report)}
@@ -135,6 +146,17 @@ class Segmentation:
         for name, value in state.items():
             object.__setattr__(self, name, value)
         self.__post_init__()
+
+    def with_timings(self, timings: Mapping[str, float]) -> Segmentation:
+        """The same with other ``timings``; what was found on first use stays found.
+
+        Parameters
+        ----------
+        timings : mapping of stage to seconds
+        """
+        out = object.__new__(type(self))
+        vars(out).update(vars(self), timings=MappingProxyType(dict(timings)))
+        return out
 
     @classmethod
     def from_labels(
@@ -309,8 +331,8 @@ class Segmentation:
         """What may be wrong; found on first use where it wasn't given (half a second at a million faces)."""
         if self.doubt is None:
             base = np.minimum(self.labels, 0) if self.keys is None else self.levels["base"]
-            scales = self.report.get(SCALES)
-            pieces = make_pieces(self.mesh, self.labels, base, scale=scales[0] if scales else None)
+            scale = self.report.get(SCALES, [None])[0] if self.items is None else self.items.scale
+            pieces = make_pieces(self.mesh, self.labels, base, scale=scale)
             found = doubts(pieces, self.keys, self.report.get("runs"), n_segments=self.n_segments)
             object.__setattr__(self, "doubt", found)
         assert self.doubt is not None
@@ -355,8 +377,6 @@ def segmentation_of_items(
     base: IntArray,
     keys: IntArray,
     runs: Mapping[str, int],
-    adjacency: IntArray | None = None,
-    bridges: IntArray | None = None,
 ) -> Segmentation:
     """What was found of the items, on the faces of the mesh as loaded.
 
@@ -376,8 +396,6 @@ def segmentation_of_items(
         Cluster of each item in each run.
     runs : mapping of str to int
         How many of these are of which kind, in their order: "k-medoids", "graph".
-    adjacency, bridges : (n, 2) int32, optional
-        `face_adjacency` and `pieces.close_borders` of the mesh, if they are at hand.
 
     Warns
     -----
@@ -409,12 +427,9 @@ def segmentation_of_items(
     face_base = items.to_faces(base, -1)
     keys = keys[np.unique(base, return_index=True)[1]]
     dense.flags.writeable = False
-    pieces = make_pieces(mesh, dense, face_base, adjacency, scale=items.scale, bridges=bridges)
-    doubt = doubts(pieces, keys, runs, n_segments=len(kept))
     return Segmentation(
         mesh,
         dense,
-        confidence_of(doubt),
         levels={
             # a face of the simplified mesh is an item, but one of the raw mesh is only a part of one
             "dihedral": dihedral if is_raw else items.to_faces(dihedral, -1),
@@ -426,7 +441,6 @@ def segmentation_of_items(
         face_map=items.face_map,
         simplified=None if is_raw else items.mesh,
         report={**items.report, SCALES: [round(float(s), 4) for s in items.scales], "runs": dict(runs)},
-        doubt=doubt,
     )
 
 

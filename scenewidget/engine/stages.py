@@ -217,8 +217,8 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
     }
     step("finish", _finish, "items", "coassociation", "consensus", recalls="items",
          furniture=p.furniture_similarity, **tidy)
-    step("segmentation", _segmentation, "mesh", "adjacency", "items", "dihedral", "ensemble", "coassociation",
-         "finish", recalls="items", runs=(("k-medoids", p.n_runs), ("graph", p.n_graph_runs)))
+    step("segmentation", _segmentation, "mesh", "items", "dihedral", "ensemble", "coassociation",
+         "finish", runs=(("k-medoids", p.n_runs), ("graph", p.n_graph_runs)))
     asked = p.n_segments if p.consensus == "linkage" and p.n_segments != "auto" else None
     if asked is not None or p.granularity is not None:
         if p.consensus != "linkage":
@@ -450,7 +450,6 @@ def _finish(
 
 def _segmentation(
     mesh: Mesh,
-    adjacency: IntArray,
     items: Items,
     dihedral: IntArray,
     keys: IntArray,
@@ -458,19 +457,10 @@ def _segmentation(
     labels: IntArray,
     *,
     monitor: Monitor,
-    recall: Recall,
     runs: tuple[tuple[str, int], ...],
 ) -> Segmentation:
     return segmentation_of_items(
-        mesh,
-        items,
-        labels,
-        dihedral=dihedral,
-        base=co.base,
-        keys=keys,
-        runs=dict(runs),
-        adjacency=adjacency,
-        bridges=_bridges(mesh, adjacency, items, recall),
+        mesh, items, labels, dihedral=dihedral, base=co.base, keys=keys, runs=dict(runs)
     )
 
 

@@ -352,6 +352,8 @@ class SceneWidget(widgets.VBox):
 
         def task(progress: Callable[[str, float], None], cancel: threading.Event) -> Any:
             segmentation = self.pipeline.run(params, progress=progress, cancel=cancel)
+            if not cancel.is_set():
+                segmentation.confidence  # noqa: B018  # found on first use: here, where nobody waits for it
             return partial(self._show_result, params, segmentation)
 
         with self._lock:

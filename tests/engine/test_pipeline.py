@@ -278,7 +278,7 @@ def test_two_threads_may_use_one_pipeline():
 def test_same_seed_same_labels_for_any_number_of_threads(params, monkeypatch):
     expected = segment(ROOM, params)
     for n_threads in (1, 2, 4):
-        monkeypatch.setattr(stage_table, "n_threads", lambda n=n_threads: n)
+        monkeypatch.setenv("SCENEWIDGET_THREADS", str(n_threads))
         same(segment(ROOM, params), expected)
     other = segment(ROOM, params.replace(seed=1))
     assert not np.array_equal(other.level("base"), expected.level("base"))

@@ -1,5 +1,9 @@
 """Segmentation: what its constructor refuses, renumbering by area from the definition, levels, the table."""
 
+import copy
+import dataclasses
+import pickle
+
 import numpy as np
 import pytest
 import shapes
@@ -113,3 +117,21 @@ N = BOX.n_faces
 def test_what_does_not_fit_is_refused(make, error, message):
     with pytest.raises(error, match=message):
         make()
+
+
+def test_confidence_is_found_on_first_use_and_survives_copies():
+    base = np.arange(BOX.n_faces, dtype=np.int32) // 2
+    known = {"levels": {"base": base}, "keys": SIDES[::2, None].astype(np.int32)}
+    seg = Segmentation(BOX, (SIDES > 2).astype(np.int32), **known)
+    assert "confidence" not in vars(seg)
+    assert seg.doubt is None
+    timed = seg.with_timings({"items": 1.0})
+    again = pickle.loads(pickle.dumps(seg))
+    assert timed.timings == {"items": 1.0}
+    for other in (timed, again, copy.deepcopy(seg), dataclasses.replace(seg, names=("a", "b"))):
+        np.testing.assert_array_equal(other.confidence, seg.confidence)
+    assert seg.confidence is seg.confidence
+    assert not seg.confidence.flags.writeable
+    assert 0 < seg.confidence.min() <= seg.confidence.max() < 1
+    with pytest.raises(AttributeError, match="no attribute 'sureness'"):
+        seg.sureness  # noqa: B018
