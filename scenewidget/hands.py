@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Collection, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -40,8 +40,11 @@ def agreement(
     by: By = "faces",
     unlabeled: Unlabeled = "drop",
     metrics: Collection[str] | None = None,
+    per: Literal["pair", "segment", "name"] = "pair",
 ) -> pd.DataFrame:
     """How far each two of several annotations of a scan agree.
+
+    `Compare` shows where two of them differ: ``sw.Compare(mesh, seg1, seg2)``, in the colours "errors".
 
     Parameters
     ----------
@@ -55,6 +58,8 @@ def agreement(
         As of `evaluate`: by default what either of the two leaves unlabeled doesn't count for them.
     metrics : collection of str, optional
         Columns to compute; all of them by default.
+    per : "pair" | "segment" | "name"
+        What has a row: each pair of annotations; each segment of either of a pair; each name of a pair.
 
     Returns
     -------
@@ -64,12 +69,19 @@ def agreement(
         share of what either labels that both do; ``same_name``, the share of what both have named that they
         call the same; ``n_first`` and ``n_second``, their segments. nan where there is nothing to compare.
 
+        With ``per="segment"`` the index is ("first", "second", "segment"), the segment one of the first's,
+        and every pair stands in both orders, the least agreed on come first: ``name``; ``size``, in faces
+        or m²; ``match``, the segment of the second that overlaps most by intersection over union, the lower
+        one at a tie, -1 for none; ``match_name``; ``iou``; ``outside``, the share of it that the second has
+        not in ``match``. With ``per="name"`` it is ("first", "second", "name"), of all that either has
+        named: ``size_first``, ``size_second`` and ``iou``. What either leaves unlabeled doesn't count.
+
     Raises
     ------
     TypeError
         Something that is no segmentation, or not a mapping.
     ValueError
-        Labels of another mesh, an unknown metric, fewer than two annotations.
+        Labels of another mesh, an unknown metric or ``per``, fewer than two annotations.
 
     Examples
     --------
@@ -91,6 +103,12 @@ def agreement(
             f"annotations holds only {next(iter(labels))!r}; agreement takes two or more, "
             "such as {'first': seg1, 'second': seg2}"
         )
+    if per == "segment":
+        return _by_segment(annotations, labels, weights)
+    if per == "name":
+        return _by_name(annotations, labels, weights)
+    if per != "pair":
+        raise ValueError(f"per must be 'pair', 'segment' or 'name', got {per!r}")
     rows = {}
     for first, second in itertools.combinations(labels, 2):
         a, b = labels[first], labels[second]
@@ -108,6 +126,70 @@ def agreement(
         rows[first, second] = row
     index = pd.MultiIndex.from_tuples(rows, names=["first", "second"])
     return pd.DataFrame(list(rows.values()), index=index)
+
+
+def _by_segment(
+    annotations: Annotations, labels: Mapping[str, IntArray], weights: FloatArray | None
+) -> pd.DataFrame:
+    import pandas as pd
+
+    rows, index = [], []
+    for first, second in itertools.permutations(labels, 2):
+        a, b = labels[first], labels[second]
+        keep = (a >= 0) & (b >= 0)
+        of_first, of_second = (_named(annotations[person]) for person in (first, second))
+        sizes = np.zeros((int(a.max(initial=-1)) + 1, int(b.max(initial=-1)) + 1))
+        np.add.at(sizes, (a[keep], b[keep]), 1.0 if weights is None else weights[keep])
+        own, other = sizes.sum(axis=1), sizes.sum(axis=0)
+        union = own[:, None] + other - sizes
+        iou = np.divide(sizes, union, out=np.zeros_like(sizes), where=union > 0)
+        for segment in np.unique(a[a >= 0]).tolist():
+            match = int(iou[segment].argmax()) if own[segment] > 0 else -1
+            index.append((first, second, segment))
+            rows.append(
+                {
+                    "name": _name_of(of_first, segment),
+                    "size": _area(a == segment, weights),
+                    "match": match,
+                    "match_name": _name_of(of_second, match),
+                    "iou": iou[segment, match] if match >= 0 else np.nan,
+                    "outside": 1 - sizes[segment, match] / own[segment] if match >= 0 else np.nan,
+                }
+            )
+    table = pd.DataFrame(rows, index=pd.MultiIndex.from_tuples(index, names=["first", "second", "segment"]))
+    return table.sort_values(["iou", "size"], ascending=[True, False], kind="stable")
+
+
+def _by_name(
+    annotations: Annotations, labels: Mapping[str, IntArray], weights: FloatArray | None
+) -> pd.DataFrame:
+    import pandas as pd
+
+    rows, index = [], []
+    for first, second in itertools.combinations(labels, 2):
+        keep = (labels[first] >= 0) & (labels[second] >= 0)
+        named = [_named(annotations[person]) for person in (first, second)]
+        for name in sorted({name for names in named for name in names if name}):
+            masks = [
+                keep & np.isin(labels[person], [k for k, own in enumerate(names) if own == name])
+                for person, names in zip((first, second), named, strict=True)
+            ]
+            either = _area(masks[0] | masks[1], weights)
+            index.append((first, second, name))
+            rows.append(
+                {
+                    "size_first": _area(masks[0], weights),
+                    "size_second": _area(masks[1], weights),
+                    "iou": _area(masks[0] & masks[1], weights) / either if either > 0 else np.nan,
+                }
+            )
+    columns = ["size_first", "size_second", "iou"]
+    keys = pd.MultiIndex.from_tuples(index, names=["first", "second", "name"]) if index else None
+    return pd.DataFrame(rows, index=keys, columns=columns).sort_values("iou", kind="stable")
+
+
+def _name_of(names: list[str], segment: int) -> str:
+    return names[segment] if 0 <= segment < len(names) else ""
 
 
 def consensus(annotations: Annotations, mesh: Mesh | None = None) -> Segmentation:
@@ -131,7 +213,8 @@ def consensus(annotations: Annotations, mesh: Mesh | None = None) -> Segmentatio
         all drew this very segment. ``names`` are voted: who names the segment that covers most of it has a
         vote; at a tie the name over more area wins, then the first by alphabet. ``levels["base"]`` are the
         parts that somebody holds apart, so that a split in the editor offers what was in dispute.
-        ``report["annotators"]`` are the people.
+        ``report["annotators"]`` are the people. `Compare` shows where they disagree:
+        ``sw.Compare(mesh, agreed, seg1)``, in the colours "confidence".
 
     Raises
     ------

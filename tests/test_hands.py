@@ -138,6 +138,29 @@ def test_same_name_counts_what_both_have_named():
     assert np.isnan(sw.agreement({"a": first, "b": halves(0, 1, 2, 3)}).iloc[0]["same_name"])
 
 
+def test_each_segment_says_with_whom_it_agrees_and_how_much_lies_outside():
+    first = segmentation(halves(0, 0, 1, 1), ["floor", "wall"])
+    second = segmentation(halves(0, 0, 1, 2), ["floor", "wall", "door"])
+    table = sw.agreement({"a": first, "b": second}, per="segment")
+    half = table.loc[("a", "b", 1)]
+    assert half[["name", "match_name", "iou", "outside"]].tolist() == ["wall", "wall", 0.5, 0.5]
+    assert table.loc[("b", "a", 2), ["match", "iou", "outside"]].tolist() == [1, 0.5, 0]
+    assert table.loc[("a", "b", 0), "iou"] == 1
+    assert table.iou.is_monotonic_increasing
+
+
+def test_each_name_says_how_far_they_agree_on_it():
+    first = segmentation(halves(0, 0, 1, -1), ["floor", "wall"])
+    second = segmentation(halves(0, 1, 2, 2), ["floor", "door", "wall"])
+    table = sw.agreement({"a": first, "b": second}, per="name").iou
+    assert table.to_dict() == {("a", "b", "door"): 0, ("a", "b", "floor"): 0.5, ("a", "b", "wall"): 1}
+    assert sw.agreement({"a": halves(0, 0, 1, 1), "b": first}, MESH, per="name").index.get_level_values(
+        "name"
+    ).tolist() == ["floor", "wall"]
+    with pytest.raises(ValueError, match="per must be 'pair', 'segment' or 'name', got 'face'"):
+        sw.agreement({"a": first, "b": second}, per="face")
+
+
 def test_who_labels_other_faces_has_nothing_to_compare():
     row = sw.agreement({"a": halves(0, 0, -1, -1), "b": halves(-1, -1, 0, 0)}, MESH).iloc[0]
     assert row[list(METRICS)].isna().all()

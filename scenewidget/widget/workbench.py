@@ -93,6 +93,8 @@ class Workbench(widgets.VBox):
         Who works; by default the name of the account.
     truth : folder, file or None
         True labels, of the same names as the scans; what is done is compared with them.
+    gold : folder or file, optional
+        True labels of a few scans that nobody sees here: `measure` tells how well people did on them.
     own : bool
         Whether each person corrects a copy of their own, ``<scan>.<person>.swproj``: then `agreement` tells
         how far they agree. By default all share one project a scan.
@@ -143,6 +145,7 @@ class Workbench(widgets.VBox):
         person: str | None = None,
         *,
         truth: str | os.PathLike[str] | None = None,
+        gold: str | os.PathLike[str] | None = None,
         own: bool = False,
         scans: str | os.PathLike[str] | None = None,
         height: int = 520,
@@ -159,7 +162,7 @@ class Workbench(widgets.VBox):
         if before is not None:
             before.close()  # a cell that was run again
         self._work = Worklist(Path(out), person, own=own)
-        self._truth = {} if truth is None else {n: f.path for n, f in labeled(Path(truth)).items()}
+        self._truth, self._gold = _files_in(truth), _files_in(gold)
         self._scans = None if scans is None else Path(scans)
         self._picture_height = height
         self._lock = threading.RLock()
@@ -276,6 +279,40 @@ class Workbench(widgets.VBox):
                 "no scan has been corrected by two people; give each Workbench(…, person=…, own=True)"
             )
         return pd.concat(tables, names=["scan"])
+
+    def measure(self) -> pd.DataFrame:
+        """How well people did on the gold scans that are done: all metrics, a row a scan and person.
+
+        With ``own=True`` whoever has a copy is measured; otherwise the scan as it is, under all who worked
+        on it.
+
+        Raises
+        ------
+        ValueError
+            There is no ``gold``, or none of its scans has been corrected.
+        """
+        import pandas as pd
+
+        rows = {}
+        for entry in self._work.entries.values():
+            name = named_alike(entry.scan, self._gold)
+            if name is None or entry.has_failed:
+                continue
+            if self._work.own:
+                files = self._work.hands(entry)
+            else:
+                together, project = ", ".join(sorted(entry.seconds)), self._work.project(entry)
+                files = {together: project} if entry.state in ("done", "review") else {}
+            if files:
+                mesh = self._work.mesh(entry, self._scans)
+                found = {person: read_labels(path, mesh) for person, path in files.items()}
+                table = evaluate(found, read_labels(self._gold[name], mesh), mesh)
+                rows[entry.scan] = table.rename_axis("person")
+        if not rows:
+            raise ValueError(
+                "no gold scan has been corrected yet; gold= is a folder of true labels of some scans"
+            )
+        return pd.concat(rows, names=["scan"])
 
     def export(
         self,
@@ -477,6 +514,10 @@ def _shown(entry: Entry) -> dict[str, Any]:
         "before": _number(entry.row.get("rand_index_error")),
         "now": _number(entry.errors.get("rand_index_error")),
     }
+
+
+def _files_in(folder: str | os.PathLike[str] | None) -> dict[str, Path]:
+    return {} if folder is None else {name: file.path for name, file in labeled(Path(folder)).items()}
 
 
 def _number(value: Any) -> float | None:

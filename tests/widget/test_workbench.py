@@ -75,11 +75,11 @@ def test_pictures_come_when_they_are_asked_for(out, monkeypatch):
     bench.close()
 
 
-def test_two_people_on_copies_of_their_own_can_be_compared(out):
+def test_two_people_on_copies_of_their_own_can_be_compared_and_measured(out, tmp_path):
     with pytest.raises(ValueError, match="no scan has been corrected by two"):
         sw.Workbench(out, "ann", own=True).agreement()
     for person in ("ann", "bob"):
-        bench = sw.Workbench(out, person, own=True)
+        bench = sw.Workbench(out, person, own=True, gold=tmp_path / "truth")
         bench.edit("b.ply")
         if person == "bob":
             bench.editor.session.merge(0, 31)
@@ -88,6 +88,9 @@ def test_two_people_on_copies_of_their_own_can_be_compared(out):
     table = bench.agreement()
     assert table.index.tolist() == [("b.ply", "ann", "bob")]
     assert table[["n_first", "n_second"]].values.tolist() == [[2, 1]]
+    errors = bench.measure().rand_index_error  # against one segment, which nobody was shown
+    assert errors["b.ply", "bob"] == 0 < errors["b.ply", "ann"]
+    assert not any("now" in row and row["now"] for row in bench.queue.rows)
 
 
 def test_bad_input_is_explained(out, tmp_path):
