@@ -9,8 +9,6 @@ import contextlib
 import dataclasses
 import hashlib
 import json
-import os
-import pickle
 import time
 import warnings
 from collections.abc import Callable, Sequence
@@ -82,24 +80,17 @@ def run_job(
     row = empty_row(job.scan)
     start = time.perf_counter()
     reset_peak()
-    for attempt in (1, 2):
-        try:
-            row |= _row(job, limit, tell, foretell)
-            break
-        except _TooLargeError as error:
-            row |= {"status": "too large", "error": str(error)}
-            break
-        except MemoryError:
-            need = spoken_size(what_it_takes(row["faces"] or 0, is_judged=job.truth != ""))
-            row |= {"status": "too large", "error": f"ran out of memory; needs {need} or more"}
-            break
-        except Exception as error:  # whatever one scan does, the others go on
-            if attempt == 1 and _mend_cache(error):
-                continue
-            text = str(error) or "no reason given"
-            known = isinstance(error, (OSError, ValueError, TypeError))
-            row |= {"status": "failed", "error": text if known else f"{type(error).__name__}: {text}"}
-            break
+    try:
+        row |= _row(job, limit, tell, foretell)
+    except _TooLargeError as error:
+        row |= {"status": "too large", "error": str(error)}
+    except MemoryError:
+        need = spoken_size(what_it_takes(row["faces"] or 0, is_judged=job.truth != ""))
+        row |= {"status": "too large", "error": f"ran out of memory; needs {need} or more"}
+    except Exception as error:  # whatever one scan does, the others go on
+        text = str(error) or "no reason given"
+        known = isinstance(error, (OSError, ValueError, TypeError))
+        row |= {"status": "failed", "error": text if known else f"{type(error).__name__}: {text}"}
     row["peak_memory"] = peak() if row["peak_memory"] is None else row["peak_memory"]
     if row["status"] in ("failed", "too large"):
         row["seconds"] = round(time.perf_counter() - start, 3)
@@ -306,23 +297,3 @@ def _key(path: Path, job: Job) -> str:
 def _digest(path: Path) -> str:
     with path.open("rb") as file:
         return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
-
-
-def _mend_cache(error: BaseException) -> bool:
-    """Whether a damaged file of compiled code stood in the way, and is gone now.
-
-    numba keeps such files beside our modules; one that was cut short, as by a full disk, would fail every
-    run from then on.
-    """
-    if not isinstance(error, (pickle.UnpicklingError, EOFError, ValueError, ImportError, AttributeError)):
-        return False
-    trace = error.__traceback__
-    while trace is not None:
-        frame = trace.tb_frame
-        if frame.f_code.co_filename.replace(os.sep, "/").endswith("numba/core/caching.py"):
-            index = getattr(frame.f_locals.get("self"), "_index_path", None)
-            if index is not None:
-                Path(index).unlink(missing_ok=True)
-                return True
-        trace = trace.tb_next
-    return False
