@@ -35,6 +35,7 @@ def test_from_the_queue_through_the_editor_to_done(out, tmp_path):
     bench = sw.Workbench(out, "ann", truth=tmp_path / "truth")
     assert bench.next() == "b.ply"
     assert bench.queue.current == "b.ply"
+    bench.editor.wait()
     assert bench.editor.scores  # it has a truth
     bench.editor.session.merge(0, 31)
     row = next(row for row in bench.queue.rows if row["scan"] == "b.ply")
