@@ -32,7 +32,7 @@ What is where; ``help(sw.segment)`` and so on tell the rest:
 ``exercises``                           answers to the questions of the course, checked
 ======================================  =================================================================
 
-The folder ``notebooks`` of the repository is a course in parts that build on each other. ``__version__`` is the version.
+The folder ``notebooks`` of the repository is a course. ``__version__`` is the version.
 """
 
 from __future__ import annotations

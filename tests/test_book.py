@@ -1,4 +1,4 @@
-"""What goes into the book is complete. That it builds without a warning is the part of `python notebooks/book`."""
+"""What goes into the book is complete. That it builds without warnings, `python notebooks/book` says."""
 
 import re
 import sys
@@ -83,6 +83,10 @@ def test_slides_begin_at_headings_and_leave_checks_out():
     found = slides.as_slides(nbformat.v4.new_notebook(cells=cells))
     kinds = [cell.metadata["slideshow"]["slide_type"] for cell in found.cells]
     assert kinds == ["slide", "subslide", "slide", "-", "skip"]
+    page = '<a href="02_x.ipynb">next</a> <iframe src="_static/views/01_x-0.html">'
+    assert (
+        slides.beside_each_other(page) == '<a href="02_x.html">next</a> <iframe src="../views/01_x-0.html">'
+    )
 
 
 @pytest.mark.parametrize(

@@ -5,13 +5,15 @@ Reveal.js and MathJax lie beside them: nothing is fetched when they are shown.
 
 from __future__ import annotations
 
+import re
 import shutil
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-__all__ = ["as_slides", "write"]
+__all__ = ["as_slides", "beside_each_other", "write"]
 
+NEEDED = ("LICENSE", "dist/reveal.js", "dist/reveal.css", "dist/theme/white.css", "dist/theme/fonts", "plugin/notes")
 TEMPLATE = Path(__file__).parent / "slides"
 
 
@@ -24,9 +26,10 @@ def write(notebooks: list[Path], folder: Path) -> None:
     assert package is not None
     assert package.origin is not None
     reveal = Path(package.origin).parent / "_static" / "revealjs"
-    for part in ("dist", "plugin/notes"):
-        shutil.copytree(reveal / part, folder / "reveal" / part)
-    shutil.copy(reveal / "LICENSE", folder / "reveal")
+    for part in NEEDED:
+        copy = shutil.copytree if (reveal / part).is_dir() else shutil.copy
+        (folder / "reveal" / part).parent.mkdir(parents=True, exist_ok=True)
+        copy(reveal / part, folder / "reveal" / part)
     exporter = SlidesExporter(
         extra_template_basedirs=[str(TEMPLATE.parent)], template_name=TEMPLATE.name, embed_images=True,
         reveal_scroll=True, reveal_number="c/t", exclude_input_prompt=True, exclude_output_prompt=True,
@@ -37,7 +40,13 @@ def write(notebooks: list[Path], folder: Path) -> None:
         notebook = as_slides(nbformat.read(path, as_version=4))
         resources = {"metadata": {"name": path.stem, "path": str(path.parent)}}
         text, _ = exporter.from_notebook_node(notebook, resources)
-        (folder / f"{path.stem}.html").write_text(text, encoding="utf-8")
+        (folder / f"{path.stem}.html").write_text(beside_each_other(text), encoding="utf-8")
+
+
+def beside_each_other(text: str) -> str:
+    """The page with its links as they are seen from the folder of the slides."""
+    text = re.sub(r'href="(\w+)\.ipynb', r'href="\1.html', text)
+    return text.replace('src="_static/views/', 'src="../views/')
 
 
 def as_slides(notebook: Any) -> Any:
