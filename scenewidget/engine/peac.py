@@ -348,25 +348,26 @@ def _is_symmetric(A, absolute):  # type: ignore[no-untyped-def]
     return True
 
 
-@kernel
-def _off_diagonal(C, a):  # type: ignore[no-untyped-def]
+def _off_diagonal(C: FloatArray, a: FloatArray) -> tuple[tuple[IntArray, IntArray, FloatArray], FloatArray]:
     """C without its diagonal as csr (indptr, indices, data), and Σ_j a_j c_ij² over it."""
-    n = len(C)
-    indptr = np.zeros(n + 1, dtype=np.int64)
-    for i in range(n):
-        indptr[i + 1] = indptr[i] + np.count_nonzero(C[i]) - (C[i, i] != 0.0)
-    data = np.empty(indptr[n])
-    indices = np.empty(indptr[n], dtype=np.int32)
-    squares = np.zeros(n)
+    n_entries = np.count_nonzero(C, axis=1) - (np.diag(C) != 0.0)
+    indptr = np.concatenate([[0], np.cumsum(n_entries)]).astype(np.int64)
+    data, indices, squares = np.empty(indptr[-1]), np.empty(indptr[-1], np.int32), np.zeros(len(C))
+    _fill_off_diagonal(C, a, data, indices, squares)
+    return (indptr, indices, data), squares
+
+
+@kernel
+def _fill_off_diagonal(C, a, data, indices, squares):  # type: ignore[no-untyped-def]
+    """Entries of C beside its diagonal, row by row, and Σ_j a_j c_ij² over them."""
     size = 0
-    for i in range(n):
-        for j in range(n):
+    for i in range(len(C)):
+        for j in range(len(C)):
             c = C[i, j]
             if c != 0.0 and j != i:
                 data[size], indices[size] = c, j
                 squares[i] += a[j] * c * c
                 size += 1
-    return (indptr, indices, data), squares
 
 
 @kernel
@@ -481,7 +482,7 @@ def _sweep_rank_one(  # type: ignore[no-untyped-def]
     """Columns in turn with w_ij = a_i a_j; P = off·diag(a)·Y and S = Yᵀ·diag(a)·Y are kept up to date."""
     m = Y.shape[1]
     worst = 0.0
-    force = np.empty(m)
+    force, changed = np.empty(m), np.empty(m, np.int64)
     for j in columns:
         if a[j] <= 0.0:
             continue
@@ -501,10 +502,15 @@ def _sweep_rank_one(  # type: ignore[no-untyped-def]
         worst = max(worst, found)
         if found <= tolerance:
             continue
-        changed = np.flatnonzero(y != before)
+        n_changed = 0
+        for r in range(m):
+            if y[r] != before[r]:
+                changed[n_changed] = r
+                n_changed += 1
         for e in range(indptr[j], indptr[j + 1]):
             here, pull = P[indices[e]], a[j] * data[e]
-            for c in changed:
+            for k in range(n_changed):
+                c = changed[k]
                 here[c] += pull * (y[c] - before[c])
         for r in range(m):
             if y[r] != 0.0 or before[r] != 0.0:

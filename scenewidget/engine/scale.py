@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, connected_components
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, connected_components, unique_codes
 
 __all__ = ["far_apart", "geometric_order", "scene_scale"]
 
@@ -96,15 +96,13 @@ def far_apart(mesh: Mesh, pairs: IntArray, gap: float) -> IntArray:
     n, component = connected_components(mesh.n_faces, pairs)
     if n > 1:
         cell = np.floor((mesh.face_centroids - mesh.bounds[0]) / (gap / 4)).astype(np.int64)
-        shape = cell.max(axis=0) + 1
-        _, where = np.unique(
-            (cell[:, 0] * shape[1] + cell[:, 1]) * shape[2] + cell[:, 2], return_inverse=True
-        )
-        near = cKDTree(_centers(mesh, where, int(where.max()) + 1)).query_pairs(gap, output_type="ndarray")
-        # a cell holds what is nearer than the gap; a face of it stands for them all
-        first = np.unique(where, return_index=True)[1]
-        same = np.stack([np.arange(mesh.n_faces), first[where]], axis=1)
-        n, component = connected_components(mesh.n_faces, np.concatenate([pairs, same, first[near]]))
+        deep, wide, high = (cell.max(axis=0) + 1).tolist()
+        codes, where = unique_codes((cell[:, 0] * wide + cell[:, 1]) * high + cell[:, 2], deep * wide * high)
+        near = cKDTree(_centers(mesh, where, len(codes))).query_pairs(gap, output_type="ndarray")
+        # components, then cells, which hold what is nearer than the gap: one graph of both
+        links = np.concatenate([np.stack([component, n + where], axis=1), n + near])
+        component = connected_components(n + len(codes), links)[1][component]
+        n = int(component.max()) + 1
     area = np.bincount(component, mesh.face_areas, n)
     rank = np.empty(n, dtype=np.int32)
     rank[np.argsort(-area, kind="stable")] = np.arange(n, dtype=np.int32)
