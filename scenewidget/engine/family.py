@@ -101,6 +101,17 @@ class Family:
             group[gone] = group[kept]
         return group
 
+    def item_labels(self, n_segments: int) -> IntArray:
+        """(n_items,) int32 segment of each item in the nearest cut that there is, −1 for none: a preview.
+
+        Parameters
+        ----------
+        n_segments : int
+            Beyond the ends of the family it is taken for its end.
+        """
+        group = self.groups(min(max(n_segments, self.least), self.most))
+        return np.append(order_by_area(group, self._face_areas)[0], -1)[self.piece]
+
     def cut(self, n_segments: int) -> Segmentation:
         """The segmentation with exactly ``n_segments`` segments.
 

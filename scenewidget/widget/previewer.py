@@ -99,7 +99,7 @@ class Previewer:
         try:
             items = self._pipeline.get("items", params)
             if params.consensus == "linkage" and params.n_segments != "auto":
-                labels = self._pipeline.get("granularity", params).item_labels
+                labels = self._pipeline.get("nested", params).item_labels(params.n_segments)
             else:
                 labels = self._pipeline.get("finish", params)
         except (ValueError, MemoryError):  # the full computation will say what is wrong

@@ -31,8 +31,8 @@ def test_another_s_cuts_the_tree_of_the_result():
     params = preview_params(pipe, SMALL.replace(n_segments=9), SMALL)
     assert params == SMALL.replace(n_segments=9, k_range=(12, 15), relief=0.0, contrast=0.0)
     heard = []
-    pipe.get("granularity", params, progress=lambda stage, fraction: heard.append(stage))
-    assert set(heard) == {"finish", "segmentation", "family", "granularity"}
+    pipe.get("nested", params, progress=lambda stage, fraction: heard.append(stage))
+    assert set(heard) == {"finish", "segmentation", "nested"}
 
 
 def test_another_cost_makes_a_small_ensemble_of_the_same_items():
