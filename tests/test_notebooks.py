@@ -8,7 +8,6 @@ import pytest
 
 from scenewidget import exercises
 
-OF_THE_FIRST_FORM = ("07", "08", "09", "10")
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "notebooks").glob("*.ipynb"))
 
 
@@ -34,8 +33,6 @@ def test_it_is_small_and_names_no_machine(path):
 
 
 def test_it_opens_with_goals_and_ends_with_what_was_learnt(path):
-    if path.name[:2] in OF_THE_FIRST_FORM:
-        pytest.skip("not brought to this form yet")
     markdown = [
         "".join(c["source"]) for c in json.loads(path.read_text())["cells"] if c["cell_type"] == "markdown"
     ]
@@ -48,7 +45,7 @@ def test_it_opens_with_goals_and_ends_with_what_was_learnt(path):
 
 def test_its_exercises_are_those_of_the_package_and_show_no_answer(path):
     number = path.name[:2]
-    if number in OF_THE_FIRST_FORM or not exercises.names(number):
+    if not exercises.names(number):
         pytest.skip("its exercises are its own")
     cells = json.loads(path.read_text())["cells"]
     texts = {

@@ -32,7 +32,7 @@ def write(notebooks: list[Path], folder: Path) -> None:
         copy(reveal / part, folder / "reveal" / part)
     exporter = SlidesExporter(
         extra_template_basedirs=[str(TEMPLATE.parent)], template_name=TEMPLATE.name, embed_images=True,
-        reveal_scroll=True, reveal_number="c/t", exclude_input_prompt=True, exclude_output_prompt=True,
+        reveal_theme="white", reveal_number="c/t", exclude_input_prompt=True, exclude_output_prompt=True,
         mathjax_url="../tex-svg.js",
     )  # fmt: skip
     exporter.reveal_url_prefix = "reveal"

@@ -25,6 +25,7 @@ _HOME = {  # notebook -> module that has its exercises
     "06": "paths",
     "07": "medoids",
     "08": "agreement",
+    "10": "measures",
     "12": "drums",
     "13": "heat",
     "14": "poisson",
