@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from shapes import box, grid_square
+from sights import SIGHTS, neighbour_difference, seen
 
 import scenewidget as sw
 from scenewidget.engine.segmentation import Segmentation
@@ -61,6 +62,25 @@ def test_who_sees_colours_poorly_can_tell_distinct_ones_apart():
     near, far = np.argsort(differences[0])[[1, -1]]
     assert are_distinct(0, np.array([far]))
     assert are_distinct(0, np.array([near, far])) == (differences[0, near] >= 0.06)
+
+
+@pytest.mark.parametrize("sight", SIGHTS)
+def test_neighbours_in_a_scanned_room_differ_in_every_sight(sight):
+    mesh, truth = sw.datasets.load_room()
+    colors = palette()[label_rows(mesh, truth.labels)]
+    least = 0.05 if sight == "tritanopia" else 0.08  # of 30,000 people one; the others, one man in twelve
+    assert neighbour_difference(mesh, truth.labels, colors, sight) > least
+
+
+def test_the_simulation_leaves_greys_and_takes_red_from_green():
+    grey = np.array([[128, 128, 128]], np.uint8)
+    red, green = np.array([[190, 60, 60], [90, 110, 40]], np.uint8)
+    for sight in SIGHTS:
+        assert np.abs(seen(grey, sight).astype(int) - grey).max() <= 1
+    apart = [
+        np.linalg.norm(seen(red, s).astype(int) - seen(green, s)) for s in ("all colours", "deuteranopia")
+    ]
+    assert apart[1] < 0.6 * apart[0]
 
 
 # --- one palette for all --------------------------------------------------------------------------

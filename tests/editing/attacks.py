@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import shapes
+from mortal import Mortal
 from saver import start
 
 from scenewidget.editing import store
@@ -209,11 +210,11 @@ def edit_for_ever(path, seed, tell):
     rng = np.random.default_rng(seed)
     session = start(MESH)
     session.save(path)
-    os.write(tell, "{} {}\n".format(*state_of(session)).encode())
+    tell.send(state_of(session))
     while True:
         some_work(session, rng, 1)
         assert session.is_saved
-        os.write(tell, "{} {}\n".format(*state_of(session)).encode())
+        tell.send(state_of(session))
 
 
 def try_live_copies(folder, n, *, seed=0):
@@ -228,34 +229,18 @@ def try_live_copies(folder, n, *, seed=0):
     rng = np.random.default_rng(seed)
     folder = Path(folder)
     path = folder / "live.swproj"
-    receive, tell = os.pipe()
-    child = os.fork()
-    if child == 0:
-        try:
-            edit_for_ever(path, seed, tell)
-        finally:
-            os._exit(1)
-    os.close(tell)
-    os.set_blocking(receive, False)
-    told, copies = b"", []
-    while not told:
-        told = hear(receive)
+    editor = Mortal(edit_for_ever, path, seed)
+    told, copies = [editor.hear()], []
     for k in range(n):
-        told += hear(receive)
-        acknowledged = int(told[: told.rfind(b"\n")].split()[-2])
+        told += editor.heard()
+        acknowledged, _ = told[-1]
         suffixes = [s for s in rng.permutation(SUFFIXES).tolist() if s == "" or rng.random() < 0.6]
         copy = folder / f"copy{k}.swproj"
         for suffix in suffixes:
             with contextlib.suppress(FileNotFoundError):
                 shutil.copyfile(f"{path}{suffix}", f"{copy}{suffix}")
         copies.append((copy, suffixes, acknowledged))
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
-    os.set_blocking(receive, True)
-    with os.fdopen(receive, "rb") as pipe:
-        told += pipe.read()
-    words = told[: told.rfind(b"\n")].decode().split()
-    known = {(int(number), digest) for number, digest in zip(words[::2], words[1::2])}
+    known = {*told, *editor.kill()}
     last = opened(path)  # may have one more step, which we weren't told of
     n_true, n_refused, wrong = 0, 0, []
     for copy, suffixes, acknowledged in copies:
@@ -271,13 +256,6 @@ def try_live_copies(folder, n, *, seed=0):
     return n_true - len(wrong), n_refused, wrong
 
 
-def hear(pipe):
-    try:
-        return os.read(pipe, 1 << 20)
-    except BlockingIOError:
-        return b""
-
-
 # --- migration ------------------------------------------------------------------------------------
 
 GOLDEN = HERE.parent / "golden"
@@ -291,6 +269,30 @@ def old_project(folder, name="format_1"):
     return folder / "room.swproj"
 
 
+def bring_up_to_date(path, n, tell):
+    """Migrate and tell the steps of SQLite's machine; die at the n-th."""
+    steps = [0]
+
+    def count():
+        steps[0] += 1
+        if steps[0] == n:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return 0
+
+    class Counting(sqlite3.Connection):
+        def __init__(self, *arguments, **options):
+            super().__init__(*arguments, **options)
+            super().set_progress_handler(count, 1)
+
+        def set_progress_handler(self, handler, n):
+            pass
+
+    project = read_project(path)
+    store._open.__globals__["sqlite3"] = SqliteWith(Counting)
+    store.ProjectFile.take(path, project).close()
+    tell.send(steps[0])
+
+
 def migrate(path, n=0, after=None):
     """Bring a project up to date in another process, which dies at its n-th step or after some seconds.
 
@@ -299,40 +301,12 @@ def migrate(path, n=0, after=None):
     steps : int
         Of SQLite's machine, if it came to its end; else 0.
     """
-    receive, tell = os.pipe()
-    child = os.fork()
-    if child == 0:
-        steps = [0]
-
-        def count():
-            steps[0] += 1
-            if steps[0] == n:
-                os.kill(os.getpid(), signal.SIGKILL)
-            return 0
-
-        class Counting(sqlite3.Connection):
-            def __init__(self, *arguments, **options):
-                super().__init__(*arguments, **options)
-                super().set_progress_handler(count, 1)
-
-            def set_progress_handler(self, handler, n):
-                pass
-
-        try:
-            project = read_project(path)
-            store._open.__globals__["sqlite3"] = SqliteWith(Counting)
-            store.ProjectFile.take(path, project).close()
-            os.write(tell, b"%d" % steps[0])
-        finally:
-            os._exit(0)
-    os.close(tell)
+    process = Mortal(bring_up_to_date, path, n)
     if after is not None:
         time.sleep(after)
-        os.kill(child, signal.SIGKILL)
-    with os.fdopen(receive, "rb") as pipe:
-        said = pipe.read()
-    os.waitpid(child, 0)
-    return int(said or 0)
+        process.stop()
+    told, _ = process.end()
+    return told[0] if told else 0
 
 
 class SqliteWith:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import time
 from pathlib import Path
 
 import numpy as np
 import shapes
+from mortal import Mortal
 
 from scenewidget.editing.edits import EditError
 from scenewidget.editing.session import Session, apply_edits
@@ -23,7 +22,7 @@ def start(mesh):
 
 
 def work(path, seed, tell):
-    """Open or make the project and edit until somebody kills us; ``tell`` is a file descriptor."""
+    """Open or make the project and edit until somebody kills us."""
     mesh = shapes.box(6)
     rng = np.random.default_rng(seed)
     if Path(path).exists():
@@ -32,7 +31,7 @@ def work(path, seed, tell):
     else:
         session = start(mesh)
         session.save(path)
-    os.write(tell, b"%d\n" % len(session.to_frame()))
+    tell.send(len(session.to_frame()))
     while True:
         a, b = (int(x) for x in rng.integers(0, mesh.n_faces, 2))
         action = rng.integers(0, 12)
@@ -54,7 +53,7 @@ def work(path, seed, tell):
         except EditError:
             continue
         if session.is_saved:
-            os.write(tell, b"%d\n" % len(session.to_frame()))
+            tell.send(len(session.to_frame()))
 
 
 def kill_rounds(folder, n_rounds, *, seed=0, most=20, longest=0.1):
@@ -72,22 +71,11 @@ def kill_rounds(folder, n_rounds, *, seed=0, most=20, longest=0.1):
     path, mesh = Path(folder) / "room.swproj", shapes.box(6)
     acknowledged, found = [], []
     for round_ in range(n_rounds):
-        receive, tell = os.pipe()
-        child = os.fork()  # a new Python would take longer to start than the rest of the round
-        if child == 0:
-            try:
-                work(path, seed + round_, tell)
-            finally:
-                os._exit(1)
-        os.close(tell)
-        with os.fdopen(receive) as pipe:
-            lines = [pipe.readline() for _ in range(round_ % 2 * rng.integers(most))]
-            time.sleep(float(rng.uniform(0, longest)))
-            os.kill(child, signal.SIGKILL)
-            lines += [line for line in pipe if line.endswith("\n")]
-        _, status = os.waitpid(child, 0)
-        assert os.WIFSIGNALED(status), "the saver failed by itself"
-        acknowledged.append(int(lines[-1]) if lines else 0)
+        saver = Mortal(work, path, seed + round_)
+        told = [saver.hear() for _ in range(round_ % 2 * rng.integers(most))]
+        time.sleep(float(rng.uniform(0, longest)))
+        told += saver.kill()
+        acknowledged.append(told[-1] if told else 0)
         if not path.exists() and not acknowledged[-1]:  # killed before the first save was through
             found.append(0)
             continue
