@@ -139,6 +139,13 @@ def _sync(path: Path) -> None:
         os.close(descriptor)
 
 
+HELD_ON_WINDOWS = (
+    5,
+    32,
+    33,
+)  # what replacing a file says there while somebody has it open: denied, shared, locked
+
+
 def explain(error: OSError, path: Path) -> OSError:
     """The same kind of error with a message that says what could not be written and the way out."""
     reasons = {
@@ -153,6 +160,8 @@ def explain(error: OSError, path: Path) -> OSError:
         errno.EISDIR: "it is a folder; name a file in it",
     }
     reason = reasons.get(error.errno or 0, error.strerror or str(error))
+    if getattr(error, "winerror", None) in HELD_ON_WINDOWS:
+        reason = "another program has it open; close it there or choose another place"
     stays = "; the file that was there is untouched" if path.is_file() else ""
     message = f"can't write {str(path)!r}: {reason}{stays}"
     return type(error)(error.errno, message) if error.errno else OSError(message)

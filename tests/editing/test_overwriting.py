@@ -153,3 +153,25 @@ def test_exporting_through_a_link_writes_where_it_leads(room, tmp_path):
     sw.export(seg, mesh, tmp_path / "a.npz")
     assert (tmp_path / "a.npz").is_symlink()
     assert (inner / "b.npz").is_file()
+
+
+class WindowsSharingError(PermissionError):
+    """What Windows says to whoever replaces a file that another program has open."""
+
+    winerror = 32
+
+
+def test_what_another_program_holds_on_windows_stays_and_is_explained(tmp_path, monkeypatch):
+    path = tmp_path / "room.ply"
+    path.write_text("old")
+
+    def replace(self, target):
+        raise WindowsSharingError(13, "Permission denied")
+
+    monkeypatch.setattr(type(path), "replace", replace)
+    with (
+        pytest.raises(PermissionError, match=r"another program has it open; close it there .* untouched"),
+        files.replacing(path) as temporary,
+    ):
+        temporary.write_text("new")
+    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("room.ply", "old")]
