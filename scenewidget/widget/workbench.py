@@ -365,6 +365,7 @@ class Workbench(widgets.VBox):
         editor = SceneWidget(mesh, truth=labels, height=self._picture_height, autosave=False)
         try:
             editor.restore(self._work.project(entry))
+            editor.view.color_by = "segments"
         except BaseException:
             editor.close()
             raise

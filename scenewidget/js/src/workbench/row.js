@@ -29,9 +29,11 @@ export function createRow(row, { id, hasTruth }) {
           row.error || facts.join(" · "),
         ]),
       ]),
-      hasTruth
-        ? element("div", { class: "sww-number", title: "Rand index error against the truth" }, errorText(row))
-        : "",
+      element(
+        "div",
+        { class: "sww-number", title: "Rand index error against the truth" },
+        errorText(row, hasTruth),
+      ),
       doubtBar(row),
       element("div", { class: "sww-state" }, [STATE_NAMES[row.state]]),
     ],
@@ -56,8 +58,9 @@ export function createRow(row, { id, hasTruth }) {
   };
 }
 
-/** @param {Row} row */
-function errorText(row) {
+/** @param {Row} row @param {boolean} hasTruth */
+function errorText(row, hasTruth) {
+  if (!hasTruth) return [];
   const before = row.before === null ? "–" : row.before.toFixed(3);
   return row.now === null ? [before] : [element("s", {}, [before]), ` ${row.now.toFixed(3)}`];
 }
