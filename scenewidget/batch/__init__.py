@@ -13,6 +13,7 @@
 ``picture``   a small picture of a segmented scan
 ``progress``  how far a run is, for people
 ``worklist``  what people have done with the results
+``tiles``     a scan that is too large to be segmented whole
 ``dataset``   all of it in the layout of ScanNet, with a split and statistics
 ============  ==============================================================================
 """
