@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray
 
 __all__ = ["right_side_out"]
@@ -59,25 +58,21 @@ def right_side_out(centers: FloatArray, normals: FloatArray, areas: FloatArray) 
     return float(np.where(is_right, 1.0, -1.0)[says].sum() / len(starts))
 
 
-@kernel
-def _nearest_facing(centers, normals, n_starts, reach):  # type: ignore[no-untyped-def]
-    """How far before and behind each of the first points the nearest one lies that faces the other way."""
-    before = np.empty(n_starts)
-    behind = np.empty(n_starts)
+def _nearest_facing(
+    centers: FloatArray, normals: FloatArray, n_starts: int, reach: float
+) -> tuple[FloatArray, FloatArray]:
+    """How far before and behind each of the first points the nearest one lies that faces the other way.
+
+    In arrays though it is a loop, for the first frame of the widget waits for it, and not for a compiler.
+    """
+    before, behind = np.full((2, n_starts), np.inf)
+    (x, y, z), (u, v, w) = np.ascontiguousarray(centers.T), np.ascontiguousarray(normals.T)
     for i in range(n_starts):
-        before[i] = behind[i] = np.inf
-        nx, ny, nz = normals[i, 0], normals[i, 1], normals[i, 2]
-        for j in range(len(centers)):
-            if nx * normals[j, 0] + ny * normals[j, 1] + nz * normals[j, 2] >= OPPOSITE:
-                continue
-            x = centers[j, 0] - centers[i, 0]
-            y = centers[j, 1] - centers[i, 1]
-            z = centers[j, 2] - centers[i, 2]
-            depth = x * nx + y * ny + z * nz
-            if x * x + y * y + z * z - depth * depth >= reach * reach:
-                continue
-            if depth > 0.2 * reach:
-                before[i] = min(before[i], depth)
-            elif depth < -0.2 * reach:
-                behind[i] = min(behind[i], -depth)
+        a, b, c = u[i], v[i], w[i]
+        other = np.flatnonzero(a * u + b * v + c * w < OPPOSITE)
+        aside, up, along = x[other] - x[i], y[other] - y[i], z[other] - z[i]
+        depth = aside * a + up * b + along * c
+        depth = depth[aside * aside + up * up + along * along - depth * depth < reach * reach]
+        before[i] = depth[depth > 0.2 * reach].min(initial=np.inf)
+        behind[i] = (-depth[depth < -0.2 * reach]).min(initial=np.inf)
     return before, behind
