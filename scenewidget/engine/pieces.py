@@ -179,7 +179,7 @@ def close_borders(mesh: Mesh, adjacency: IntArray, scale: float) -> IntArray:
     >>> one = square(1, size=0.03)
     >>> mesh = sw.Mesh([*one.vertices, *(one.vertices + [0.031, 0, 0])], [*one.faces, *(one.faces + 4)])
     >>> close_borders(mesh, face_adjacency(mesh), 1.0).tolist()
-    [[0, 3]]
+    [[0, 2], [0, 3]]
     """
     return find_bridges(mesh, adjacency, BRIDGE * scale)
 
