@@ -200,16 +200,22 @@ class DaskPool:
                 raise ConnectionError(_gone(self._client))
             if self._workers is not None:
                 self._workers.keep()
-        return [self._outcome(future) for future in found if future.key in self._running]
+        outcomes = [self._outcome(future) for future in found if future.key in self._running]
+        return [outcome for outcome in outcomes if outcome is not None]
 
-    def _outcome(self, future: Any) -> tuple[Job, Row | None]:
+    def _outcome(self, future: Any) -> tuple[Job, Row | None] | None:
+        """The job and its row; None if the row was lost on the way, and the job is being done again."""
         from distributed import KilledWorker
 
         job, _ = self._running.pop(future.key)
         try:
-            row = future.result(timeout=60)
+            row = future.result(timeout=ANSWER)
         except KilledWorker:
             return job, None
+        except TimeoutError:
+            self._running[future.key] = (job, future)
+            future.add_done_callback(self._ended.put)
+            return None
         except Exception as error:
             if future.status in ("cancelled", "lost"):
                 raise ConnectionError(_gone(self._client)) from error

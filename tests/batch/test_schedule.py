@@ -6,7 +6,7 @@ import threading
 import pytest
 
 from scenewidget.batch.plan import Job
-from scenewidget.batch.pools import InProcess, open_pool
+from scenewidget.batch.pools import DaskPool, InProcess, open_pool
 from scenewidget.batch.schedule import work_through
 from scenewidget.engine.params import Params
 
@@ -76,6 +76,36 @@ def test_what_kills_its_worker_is_reported_and_nobody_else_suffers(cluster, tmp_
     assert (tmp_path / "out" / "poison-1" / "failed.json").exists()
     assert rows["large-1"]["status"] == "too large"  # with all the memory, too
     assert not cluster.enlarge()
+
+
+def test_a_row_that_is_lost_on_the_way_is_waited_for(tmp_path):
+    """Its worker died after the work and before the row was fetched: the scheduler has it done again."""
+
+    class Future:
+        key = "k"
+        status = "finished"
+        answers = iter([TimeoutError(), {"scan": "a", "status": "done", "error": ""}])
+
+        def add_done_callback(self, heard):
+            heard(self)
+
+        def result(self, timeout):
+            answer = next(self.answers)
+            if isinstance(answer, Exception):
+                raise answer
+            return answer
+
+    class Client:
+        status = "running"
+
+        def nthreads(self):
+            return {}
+
+        def submit(self, *_, **__):
+            return Future()
+
+    rows = outcome(DaskPool(Client()), jobs(tmp_path, "a"))
+    assert rows["a"]["status"] == "done"
 
 
 def test_stopping_abandons_what_waits(tmp_path):
