@@ -12,6 +12,7 @@
 ``controls``        the settings; ``settings`` says what there is to set
 ``previewer``       coarse results while a slider moves
 ``scores``          comparison with a truth
+``workbench``       a queue of scans above the widget, for several people
 ``worker``          computing off the main thread
 ==================  =============================================================================
 

@@ -47,3 +47,19 @@ def test_text_stands_out_from_panels_and_from_the_empty_picture(theme, text):
     behind = [*hexes(colors["solid"]), *hexes(colors["sky"])]
     assert len(behind) >= 4
     assert {b: round(contrast(color, b), 2) for b in behind if contrast(color, b) < LEAST} == {}
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_text_of_the_queue_stands_out_from_its_rows(theme):
+    text = (STYLE.parents[1] / "workbench" / "workbench.css").read_text(encoding="utf-8")
+    pattern = r"--sww-([\w-]+): (#[0-9a-f]{3,6});"
+    light, dark = (
+        dict(re.findall(pattern, text.split(start, 1)[1].split("}", 1)[0]))
+        for start in (".sww {", '\n.sww[data-theme="dark"] {')
+    )
+    colors = {"light": light, "dark": light | dark}[theme]
+    colors = {name: c if len(c) == 7 else "#" + "".join(2 * d for d in c[1:]) for name, c in colors.items()}
+    named = ("ink", "muted", "accent", "done", "review", "begun", "wrong")
+    low = {name: round(contrast(colors[name], colors["paper"]), 2) for name in named}
+    low["on-accent"] = round(contrast(colors["on-accent"], colors["accent"]), 2)
+    assert {name: value for name, value in low.items() if value < LEAST} == {}
