@@ -506,7 +506,8 @@ def _surface_graph(mesh: Mesh, faces: IntArray, edge: IntArray, opposite: IntArr
     order = np.lexsort((weight, code))  # an edge of two faces comes twice: the shortest stands
     order = order[np.concatenate([[True], np.diff(code[order]) > 0]) & (low != high)[order]]
     n = mesh.n_vertices
-    return sparse.csr_array((weight[order], (low[order], high[order])), shape=(n, n))
+    pairs = low[order].astype(np.int32), high[order].astype(np.int32)  # the oldest SciPy walks no others
+    return sparse.csr_array((weight[order], pairs), shape=(n, n))
 
 
 def _mean_distance_to(graph: sparse.csr_array, mesh: Mesh, from_edge: IntArray, to_edge: IntArray) -> float:
