@@ -36,7 +36,7 @@ from scenewidget.engine.atoms import common_refinement
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, face_adjacency
 from scenewidget.engine.segmentation import LEVELS, Level, Segmentation
 
-__all__ = ["Change", "KnownCut", "Numbering", "Partition"]
+__all__ = ["Change", "FaceEdit", "KnownCut", "Numbering", "Partition"]
 
 FaceEdit = Paint | Slice | Grow | Shrink | FillHoles | SmoothBorder
 

@@ -37,6 +37,7 @@ from scenewidget.editing.files import checked_path
 from scenewidget.editing.fingerprint import fingerprint
 from scenewidget.editing.history import History, Step, apply_edits, operation_table
 from scenewidget.editing.observers import Event, EventKind, Observers
+from scenewidget.editing.partition import FaceEdit
 from scenewidget.editing.project import Operation, Project, read_log
 from scenewidget.editing.project_binding import ProjectBinding, mesh_of_project
 from scenewidget.editing.project_reader import blame, read_project
@@ -209,6 +210,30 @@ class Session:
         with self._lock:
             faces, cut = self._history.partition.divide(Cut(face_a, face_b))
         return faces[cut.is_b]
+
+    def preview(self, edit: FaceEdit) -> IntArray:
+        """Faces that an edit made face by face would move; nothing changes.
+
+        Parameters
+        ----------
+        edit : Paint, Slice, Grow, Shrink, FillHoles or SmoothBorder
+
+        Returns
+        -------
+        faces : (n,) int
+            Ascending, never none.
+
+        Raises
+        ------
+        EditError
+            It can't be done here, or nothing would move.
+        TypeError
+            Another kind of edit; of a cut, `preview_cut` tells.
+        """
+        if not isinstance(edit, FaceEdit):
+            raise TypeError(f"edit must be a Paint, Slice, Grow, …, got {type(edit).__name__}")
+        with self._lock:
+            return self._history.partition.destined(edit)[0]
 
     def paint(self, faces: Sequence[int] | IntArray, onto_face: int | None = None) -> Step:
         """Faces become part of the segment under another face, or a new segment without a name.

@@ -21,7 +21,7 @@ from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.widget.autosave import Autosave, spoken
 from scenewidget.widget.scene_view import SceneView
-from scenewidget.widget.wire import face_bits
+from scenewidget.widget.wire import face_bits, middle_of
 
 __all__ = ["EditCommands"]
 
@@ -126,6 +126,8 @@ class EditCommands:
                 self._view.error = spoken(error)
         elif kind == "preview_cut":
             self._preview_cut(message)
+        elif kind == "preview_edit":
+            self._preview_edit(message)
         if kind not in KINDS:
             return
         try:
@@ -164,6 +166,8 @@ class EditCommands:
         elif kind == "go_to":
             most = len(session.history) + len(session.undone)  # an edit may have come since it was listed
             session.go_to(min(message["n"], most))
+        elif kind in FREE_FORM:  # it names faces of the scan: whatever has come meanwhile, they are there
+            session.do(self._free_form(kind, message))
         elif message["revision"] < self._first_revision:
             # it names faces of parts that are no longer there
             self.remark("Another segmentation has just come: nothing was edited")
@@ -173,11 +177,15 @@ class EditCommands:
             session.split(message["face"], message["level"])
         elif kind == "cut":
             session.cut(message["face_a"], message["face_b"])
-        elif kind in FREE_FORM:
-            said = {key: message[key] for key in FREE_FORM[kind] if key in message}
-            session.do(edit_from_dict({"kind": kind, **said}))
         else:
             session.relabel(message["face"], message["name"])
+
+    def _free_form(self, kind: str, message: dict[str, Any]) -> Any:
+        """The edit face by face that a message asks for."""
+        said = {key: message[key] for key in FREE_FORM[kind] if key in message}
+        if kind == "slice":
+            said["point"] = tuple(np.asarray(said["point"], float) + middle_of(self._view.mesh))
+        return edit_from_dict({"kind": kind, **said})
 
     def _preview_cut(self, message: dict[str, Any]) -> None:
         """Tell the browser what a cut would divide off; nothing, if it can't be done."""
@@ -191,6 +199,21 @@ class EditCommands:
             first, bits = face_bits(faces)
             answer = {"kind": "cut_preview", "request": message.get("request"), "first": first}
             self._view.send(answer, [bits])
+
+    def _preview_edit(self, message: dict[str, Any]) -> None:
+        """Tell the browser which faces an edit would move; none, and why, if it can't be done."""
+        faces: IntArray = np.zeros(0, np.int64)
+        reason = ""
+        try:
+            if self.session is not None:
+                asked = message["edit"]
+                faces = self.session.preview(self._free_form(asked["kind"], asked))
+        except EditError as error:
+            reason = spoken(error)
+        finally:
+            first, bits = face_bits(faces)
+            answer = {"kind": "edit_preview", "request": message.get("request"), "first": first}
+            self._view.send({**answer, "reason": reason}, [bits])
 
     def _save(self) -> None:
         if self.session is None:

@@ -17,6 +17,10 @@ Only in ``mode="edit"``; faces are those of the mesh as given, ``level`` a name 
 ``{"kind": "split", "face": 12, "level": "final", "revision": 3}``
 ``{"kind": "cut", "face_a": 12, "face_b": 40, "revision": 3}``
     Divide the segment under both; shown only once Python brings the new segments.
+``{"kind": "paint", "ranges": [12, 40], "onto_face": 7, "revision": 3}``
+    Also ``slice``, ``grow``, ``shrink``, ``fill_holes``, ``smooth_border`` with the fields of those edits;
+    the ``point`` of a slice counts from `middle_of` the mesh. They name faces of the scan alone, so they are
+    done whatever segmentation has come meanwhile.
 ``{"kind": "relabel", "face": 12, "name": "chair", "revision": 3}``
 ``{"kind": "suggest", "do": "next", "number": 0}``
     Or "accept", "skip", "close": of the ``suggestion`` that has this number.
@@ -33,6 +37,10 @@ Not counted as edits, and possible in either mode:
     What would a cut divide off? Only if ``editable``. To be answered by
     ``view.send({"kind": "cut_preview", "request": "a1", "first": 30}, [bits])``, a bit for each face from
     the first one on, the lowest bit of a byte first; without any, there is nothing to show.
+
+``{"kind": "preview_edit", "edit": {"kind": "grow", "face": 12}, "request": "a2"}``
+    Which faces would an edit face by face move? To be answered by ``{"kind": "edit_preview", "request": "a2",
+    "first": 30, "reason": ""}`` and bits as above; ``reason`` says why it can't be done.
 
 If ``editable``, each also has ``client`` and ``number``: the browser shows the edit at once and goes on
 doing so, on top of whatever segments come, until `SceneView.answer` says that the message has been dealt
@@ -55,6 +63,7 @@ __all__ = [
     "face_bits",
     "geometry",
     "header",
+    "middle_of",
     "unit_codes",
     "unlabeled_as_most",
     "unpacked",
@@ -86,6 +95,19 @@ def unpacked(data: bytes, header: dict[str, Any]) -> npt.NDArray[Any]:
     return np.frombuffer(data, header["dtype"]).reshape(header["shape"])
 
 
+def middle_of(mesh: Mesh) -> FloatArray:
+    """(3,) what the browser counts coordinates from, in those of the mesh.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> middle_of(analytic.square(2)).tolist()
+    [0.5, 0.5, 0.0]
+    """
+    middle: FloatArray = (mesh.bounds[0] + mesh.bounds[1]) / 2
+    return middle
+
+
 def geometry(mesh: Mesh) -> dict[str, npt.NDArray[Any]]:
     """Arrays of the mesh as the browser takes them.
 
@@ -100,7 +122,7 @@ def geometry(mesh: Mesh) -> dict[str, npt.NDArray[Any]]:
     >>> sorted(geometry(mesh)), geometry(mesh)["faces"].dtype
     (['faces', 'vertices'], dtype('uint32'))
     """
-    middle = (mesh.bounds[0] + mesh.bounds[1]) / 2
+    middle = middle_of(mesh)
     vertices = np.where(mesh.is_used[:, None], mesh.vertices - middle, 0.0).astype(np.float32)
     arrays: dict[str, npt.NDArray[Any]] = {"vertices": vertices}
     if isinstance(mesh, PointCloud):

@@ -7,12 +7,14 @@ import pytest
 import shapes
 
 import scenewidget as sw
+from scenewidget.editing.edits import Grow, Merge
 from scenewidget.editing.face_set import FaceSet
 from scenewidget.editing.partition import Partition
 from scenewidget.palette import adjacent_segments, segment_colors
 from scenewidget.widget.autosave import Autosave
 from scenewidget.widget.edit_commands import EditCommands
 from scenewidget.widget.scene_view import SceneView
+from scenewidget.widget.wire import middle_of
 
 SMALL = sw.Params(n_segments=6, n_runs=4, n_graph_runs=4)
 
@@ -205,22 +207,54 @@ def test_the_preview_of_a_cut_crosses_as_bits(commands, monkeypatch):
     assert (commands.session.edits, commands._view.error) == ([], "")
 
 
+def test_the_preview_of_an_edit_says_what_would_move_or_why_not(commands, monkeypatch):
+    answers = []
+    monkeypatch.setattr(commands._view, "send", lambda content, buffers: answers.append((content, *buffers)))
+    face = int(np.flatnonzero(commands.session.automatic.labels == 0)[0])
+    for request, edit in (
+        ("x1", {"kind": "grow", "face": face}),
+        ("x2", {"kind": "fill_holes", "face": face}),
+    ):
+        commands.handle({"kind": "preview_edit", "edit": edit, "request": request})
+    (grown, bits), (filled, nothing) = answers
+    faces = grown["first"] + np.flatnonzero(np.unpackbits(np.frombuffer(bits, np.uint8), bitorder="little"))
+    np.testing.assert_array_equal(faces, commands.session.preview(Grow(face)))
+    assert (grown["reason"], nothing, filled["request"]) == ("", b"", "x2")
+    assert "has no hole" in filled["reason"]
+    assert commands.session.edits == []
+    with pytest.raises(TypeError, match="edit must be a Paint, Slice, Grow"):
+        commands.session.preview(Merge(face, face + 1))
+
+
+def test_a_stroke_counts_even_if_another_segmentation_has_come_meanwhile(commands):
+    view = commands._view
+    before = view.revision
+    commands.take(commands.session.automatic, sw.Params())  # edits are made on it again
+    commands.take(
+        sw.Segmentation.from_labels(view.mesh, np.zeros(view.mesh.n_faces, np.int32)), sw.Params(n_runs=3)
+    )
+    assert view.revision > before
+    commands.handle({"kind": "paint", "ranges": [3, 9], "onto_face": None, "revision": before})
+    assert [step.title for step in commands.session.history] == ["New segment of 6 faces"]
+
+
 def test_free_form_edits_come_as_messages_and_what_is_wrong_is_said(commands, mesh):
     view, session = commands._view, commands.session
     face = int(np.flatnonzero(session.automatic.labels == 0)[0])
     inside = np.flatnonzero(session.automatic.labels == 0)[:7]
     ranges = FaceSet(inside).ranges.tolist()
-    middle = mesh.face_centroids[session.automatic.labels == 0].mean(axis=0).tolist()
+    middle = mesh.face_centroids[session.automatic.labels == 0].mean(axis=0) - middle_of(mesh)
     for message in (
         {"kind": "paint", "ranges": ranges, "onto_face": None},
         {"kind": "grow", "face": face, "rings": 2},
         {"kind": "undo"},
-        {"kind": "slice", "face": int(np.flatnonzero(session.automatic.labels == 0)[-1]), "point": middle,
-         "normal": [1.0, 1.0, 1.0]},
+        {"kind": "slice", "face": int(np.flatnonzero(session.automatic.labels == 0)[-1]),
+         "point": middle.tolist(), "normal": [1.0, 1.0, 1.0]},
     ):  # fmt: skip
         commands.handle({**message, "revision": view.revision})
     assert [step.title for step in session.history] == ["New segment of 7 faces", "Slice"]
     assert len(set(session.segmentation.labels[inside])) == 1
+    np.testing.assert_allclose(session.edits[-1].point, middle + middle_of(mesh))
     commands.handle({"kind": "paint", "ranges": ranges, "onto_face": face, "revision": view.revision})
     assert view.status == f"All faces are in the segment under onto_face {face} already"
     with pytest.raises(ValueError, match="ranges must hold"):

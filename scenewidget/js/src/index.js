@@ -8,6 +8,7 @@ import { createHand } from "./input/hand.js";
 import { listenToKeys } from "./input/keyboard.js";
 import { createLinkedViews } from "./input/linked_views.js";
 import { listenToPointer } from "./input/pointer.js";
+import { createRefine } from "./input/refine.js";
 import { createStateCommands } from "./input/state_commands.js";
 import { listenToWheel } from "./input/wheel.js";
 import { Preview } from "./labels/preview.js";
@@ -92,6 +93,7 @@ function start({ model, el }, again, kept) {
   const hand = createHand(around);
   const aim = createAim({ ...around, hand, cutPreview: createCutPreview(around) });
   createLinkedViews(around);
+  createRefine({ ...around, picked: hand.picked });
   createEditCommands({ ...around, target: aim.target });
   const { strides } = createCameraCommands(around);
   listenToPointer({ ...around, hand, aim });

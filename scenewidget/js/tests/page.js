@@ -347,7 +347,15 @@ export function fakeDispatcher() {
       said.push(message);
       handlers[message.kind]?.(message);
     },
-    on: (/** @type {Record<string, any>} */ more) => Object.assign(handlers, more),
+    on(/** @type {Record<string, any>} */ more) {
+      for (const [kind, handle] of Object.entries(more)) {
+        const before = handlers[kind];
+        handlers[kind] = (/** @type {any} */ message) => {
+          before?.(message);
+          handle(message);
+        };
+      }
+    },
     /** What was said since last asked, of some kinds. @param {...string} kinds */
     take: (...kinds) => said.splice(0).filter(({ kind }) => kinds.length === 0 || kinds.includes(kind)),
   };

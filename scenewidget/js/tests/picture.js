@@ -19,6 +19,16 @@ function strip(n, crease) {
   return { neighbors, shut, mark: new Uint32Array(n), last: 0 };
 }
 
+/** Triangles about the points (x, 0, 0), each leaning the other way than the next. @param {number} n */
+function stripMesh(n) {
+  const [vertices, faces] = [new Float32Array(9 * n), Uint32Array.from({ length: 3 * n }, (_, i) => i)];
+  for (let x = 0; x < n; x++) {
+    const tilt = x % 2 === 0 ? 0.1 : -0.1;
+    vertices.set([x - 0.5, -0.5, -tilt, x + 0.5, -0.5, tilt, x, 1, 0], 9 * x);
+  }
+  return { vertices, faces, colors: null };
+}
+
 /** A picture 100 wide whose face at x is x; five faces a part, ten a segment. Hand and aim on it. */
 export function fakePicture({ mode = "edit", level = "base" } = {}) {
   const dispatcher = fakeDispatcher();
@@ -37,6 +47,16 @@ export function fakePicture({ mode = "edit", level = "base" } = {}) {
       isSeen: () => true,
     },
     surface: strip(90, 45),
+    mesh: stripMesh(90),
+    facesWithin: (/** @type {Array<{ x: number }>} */ outline) => {
+      const xs = outline.map(({ x }) => x);
+      return new Set(
+        Array.from({ length: 90 }, (_, x) => x).filter((x) => x >= Math.min(...xs) && x <= Math.max(...xs)),
+      );
+    },
+    isDrawn: (/** @type {number} */ face) => face !== 13,
+    pointBefore: (/** @type {{ x: number }} */ { x }) => [x, 0, 0],
+    ownVector: (/** @type {number[]} */ [x, y, z]) => [z, x, y],
     prepareSurface: () => view.looked.push("surface"),
     partOf: (/** @type {number} */ face) => Math.floor(face / 5),
     segmentOf: (/** @type {number} */ face) => Math.floor(face / 10),

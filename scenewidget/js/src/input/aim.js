@@ -8,7 +8,7 @@ import { radiusAt } from "./paint.js";
 /** @typedef {import("./gestures.js").Place} Place */
 /** @typedef {ReturnType<typeof createAim>} Aim */
 
-const POINTING = ["idle", "tap", "press", "link", "dab", "brush", "paint"]; // phases of a gesture that aim at something
+const POINTING = ["idle", "tap", "press", "link", "dab", "brush", "paint", "trace"]; // phases of a gesture that aim at something
 
 /**
  * @param {import("./messages.js").Around & {

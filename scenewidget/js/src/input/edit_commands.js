@@ -2,6 +2,7 @@
 
 import { segmentTitle } from "../labels/description.js";
 import { othersHidden, toggledHidden } from "../labels/hidden.js";
+import { rangesOf } from "../labels/painting.js";
 import { NONE } from "../labels/partition.js";
 import { foresee } from "../labels/prediction.js";
 
@@ -27,7 +28,7 @@ export function createEditCommands({ model, view, segments, root, target, send, 
     const { ground, shown } = segments;
     const revision = model.get("revision");
     if (!model.get("editable") || !ground || !shown) {
-      model.send({ ...operation, revision });
+      model.send({ ...told(operation), revision });
       return;
     }
     const foreseen = foresee(ground, shown.labels, operation);
@@ -55,7 +56,7 @@ export function createEditCommands({ model, view, segments, root, target, send, 
     remark("");
     const answer = segments.pending.add(operation);
     try {
-      model.send({ ...operation, ...details, ...answer });
+      model.send({ ...told(operation), ...details, ...answer });
     } catch {
       segments.pending.forget();
       remark(GONE);
@@ -100,6 +101,11 @@ export function createEditCommands({ model, view, segments, root, target, send, 
       else queue({ kind: "go_to", n }, {});
     },
     name: ({ face, name }) => edit({ kind: "relabel", face, name }),
+    take_box() {
+      const ranges = rangesOf(view.drawnFaces());
+      if (ranges.length > 0) edit({ kind: "paint", ranges, onto_face: null });
+      else remark("There is nothing in the box");
+    },
     quick_name: ({ index }) => nameQuickly(index),
     show_all() {
       send({ kind: "let_go" });
@@ -118,4 +124,11 @@ export function createEditCommands({ model, view, segments, root, target, send, 
       }
     },
   });
+}
+
+/** An operation as Python takes it. @param {import("../labels/prediction.js").Operation} operation */
+function told(operation) {
+  if (operation.kind !== "slice") return operation;
+  const { off: _, ...said } = operation; // what is foreseen of it
+  return said;
 }

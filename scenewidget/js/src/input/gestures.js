@@ -7,7 +7,9 @@
  *
  * Tools: "merge" puts the part that a drag starts on onto the part it ends on; "brush" puts all parts that it
  * passes over onto the one it starts on; "cut" divides the segment between the ends; "paint" takes the faces
- * under a round brush. Instead of a drag, the ends of a merge or a cut can be clicked one after the other.
+ * under a round brush; "lasso" draws an outline or sets its corners; "slice" and "measure" take points, and a
+ * drag turns the room meanwhile. Instead of a drag, the ends of a merge or a cut can be clicked one after the
+ * other. "measure" works in "navigate" as well.
  *
  * A finger orbits in both modes, two pan and zoom; a tap is a click, a long press a right click. With the brush
  * in hand one finger paints. A pen is a mouse whose long press is a right click.
@@ -21,7 +23,7 @@ const TAP_TRAVEL = 10; // a finger is less steady
 const MOST_GATHERED = 5000;
 
 /** @typedef {"navigate" | "edit"} Mode */
-/** @typedef {"merge" | "brush" | "cut" | "paint"} Tool */
+/** @typedef {"merge" | "brush" | "cut" | "paint" | "lasso" | "slice" | "measure"} Tool */
 /** @typedef {import("../labels/partition.js").Hit} Hit */
 /** @typedef {import("../scene/camera.js").Place} Place */
 
@@ -43,9 +45,9 @@ const MOST_GATHERED = 5000;
 
 /**
  * @typedef {object} Gesture
- * @property {"idle" | "orbit" | "pan" | "pinch" | "tap" | "press" | "link" | "aside" | "dab" | "brush" | "paint"} phase  tap: a finger
+ * @property {"idle" | "orbit" | "pan" | "pinch" | "tap" | "press" | "link" | "aside" | "dab" | "brush" | "paint" | "trace"} phase  tap: a finger
  *   before it leaves its place; press, link: left button on a part before and after leaving its place; dab, brush: the same with the brush; aside: right
- *   button before it moves; paint: the round brush is down
+ *   button before it moves; paint: the round brush is down; trace: an outline is being drawn
  * @property {Record<number, Place>} pointers  those that are down, where they were last
  * @property {Place} start
  * @property {Hit | null} from  part that the press began on
@@ -58,6 +60,7 @@ const MOST_GATHERED = 5000;
 /**
  * @typedef {import("../scene/viewer.js").Movement
  *   | { kind: "click" | "split" | "paint", face: number }
+ *   | { kind: "mark" | "close" }
  *   | { kind: "merge", face: number | number[], onto: number }
  *   | { kind: "cut", face: number, onto: number }} Action
  */
@@ -84,14 +87,17 @@ export function step(gesture, event, mode, tool = "merge") {
     case "up":
       return release(gesture, event, mode, tool);
     case "hold":
-      if (mode !== "edit" || !gesture.from || !["tap", "press"].includes(gesture.phase)) return [gesture, []];
+      if (mode !== "edit" || !gesture.from || isDrawn(tool, mode)) return [gesture, []];
+      if (!["tap", "press"].includes(gesture.phase)) return [gesture, []];
       return [IDLE, [{ kind: "split", face: gesture.from.face }]];
     case "choose":
+      if (gesture.phase === "idle" && isDrawn(tool, mode)) return [IDLE, [{ kind: "mark" }]];
       if (gesture.phase !== "idle" || !event.hit) return [gesture, []];
       if (tool === "paint") return [IDLE, [{ kind: "paint", face: event.hit.face }]];
       if (tool !== "brush") return choose(gesture, event.hit, tool);
       return [{ ...IDLE, stroke: gather(gesture.stroke, event.hit) }, []];
     case "finish":
+      if (isDrawn(tool, mode)) return gesture.phase === "idle" ? [IDLE, [{ kind: "close" }]] : [gesture, []];
       return gesture.phase === "idle" ? [IDLE, merged(gesture.stroke)] : [gesture, []];
     default:
       return [IDLE, []];
@@ -114,6 +120,8 @@ function press(gesture, event, mode, tool) {
   const isEdit = mode === "edit" && event.hit;
   if (event.button === 2) return { ...next, phase: isEdit ? "aside" : "pan" };
   if (event.button === 1) return { ...next, phase: "pan" };
+  if (isDrawn(tool, mode) && !event.shift)
+    return { ...next, picked: null, stroke: null, phase: tool === "lasso" ? "trace" : "tap" };
   if (isEdit && !event.shift && tool === "paint")
     return { ...next, phase: "paint", picked: null, stroke: null };
   if (isEdit && event.hit && !event.shift && (tool === "brush" || event.brush))
@@ -161,6 +169,11 @@ function move(gesture, event) {
   }
 }
 
+/** Whether a tool sets points or draws lines over the picture. @param {Tool} tool @param {Mode} mode */
+export function isDrawn(tool, mode) {
+  return tool === "measure" || (mode === "edit" && (tool === "lasso" || tool === "slice"));
+}
+
 /**
  * A movement that begins once the pointer has left its place, from there.
  * @param {Gesture} gesture
@@ -184,6 +197,10 @@ function release(gesture, event, mode, tool) {
   const { [event.id]: _, ...pointers } = gesture.pointers;
   if (Object.keys(pointers).length > 0) {
     return [{ ...gesture, pointers, phase: gesture.phase === "pinch" ? "orbit" : gesture.phase }, []];
+  }
+  if (gesture.phase === "trace" || (gesture.phase === "tap" && isDrawn(tool, mode))) {
+    const isMark = gesture.phase === "tap" || travel(gesture.start, event) < TAP_TRAVEL;
+    return [IDLE, event.isOutside && isMark ? [] : [{ kind: isMark ? "mark" : "close" }]];
   }
   const rest = { ...IDLE, picked: gesture.picked, stroke: gesture.stroke };
   const { phase, from } = gesture;

@@ -2,8 +2,11 @@
 
 import { NONE } from "../labels/partition.js";
 import { FINAL } from "../labels/prediction.js";
-import { IDLE, step } from "./gestures.js";
+import { IDLE, isDrawn, step } from "./gestures.js";
+import { createLasso } from "./lasso.js";
+import { createMeasure } from "./measure.js";
 import { createPaint } from "./paint.js";
+import { createSlice } from "./slice.js";
 import { createToolOptions } from "./tool_options.js";
 
 /** @typedef {import("../scene/camera.js").Vec3} Vec3 */
@@ -28,6 +31,16 @@ export function createHand({ model, view, segments, root, send, on }) {
 
   const options = createToolOptions({ send, on });
   const paint = createPaint({ view, segments, options, send });
+  /** Tools that draw over the picture. */
+  const lasso = createLasso({ view, segments, options, send });
+  const slice = createSlice({ view, segments, options, send });
+  const measure = createMeasure({ view, send });
+
+  /** What the tool in hand draws. */
+  function drawn() {
+    if (!isDrawn(tool, model.get("mode"))) return null;
+    return tool === "lasso" ? lasso : tool === "slice" ? slice : measure;
+  }
 
   /** @param {PointerEventLike} event */
   function feed(event) {
@@ -40,13 +53,17 @@ export function createHand({ model, view, segments, root, send, on }) {
     const isPaint = next.phase === "paint" || actions.some(({ kind }) => kind === "paint");
     if (isPaint && event.type !== "hold") paint.add(event, next.from?.face ?? event.hit?.face ?? null);
     else if (before.phase === "paint") paint.drop();
+    if (next.phase === "trace") drawn()?.trace(event);
+    else if (event.type === "cancel" || (before.phase === "trace" && actions.length === 0)) drawn()?.drop();
     for (const action of actions) {
       if (action.kind === "cut") {
         const start = before.phase === "link" ? points.press : points.picked;
         const end = before.phase === "link" ? view.pointAt(event) : points.press;
         points.seeds = start && end && [start, end];
       }
-      act(action);
+      if (action.kind === "mark") drawn()?.mark(event);
+      else if (action.kind === "close") drawn()?.finish();
+      else act(action);
     }
     send({ kind: "hand" });
   }
@@ -68,6 +85,8 @@ export function createHand({ model, view, segments, root, send, on }) {
         paint.finish();
         break;
       case "click":
+      case "mark":
+      case "close":
         break;
       default:
         send(action);
@@ -90,16 +109,18 @@ export function createHand({ model, view, segments, root, send, on }) {
 
   /** Take up a tool, or put it down if it is in hand already. @param {Tool} wanted */
   function setTool(wanted) {
+    letGo();
     tool = wanted === tool ? "merge" : wanted;
     root.dataset.tool = tool;
-    if (tool === "paint") view.prepareSurface();
-    letGo();
+    if (["paint", "lasso", "slice"].includes(tool)) view.prepareSurface();
+    send({ kind: "hand" });
     send({ kind: "tool_taken", tool });
   }
 
   /** Let go of what is in hand, then of the tool; whether there was anything. */
   function back() {
-    const isIdle = gesture.phase === "idle" && !gesture.picked && !gesture.stroke;
+    const isIdle =
+      gesture.phase === "idle" && !gesture.picked && !gesture.stroke && (drawn()?.isEmpty ?? true);
     if (isIdle && tool === "merge") return false;
     if (isIdle) setTool("merge");
     else letGo();
@@ -127,10 +148,14 @@ export function createHand({ model, view, segments, root, send, on }) {
   on({
     tool: ({ tool: wanted }) => setTool(wanted),
     resize({ way }) {
-      if (tool === "paint") options.resize(way);
+      options.resize(tool, way);
     },
     let_go: letGo,
     back,
+    moving: () => drawn()?.renew(),
+    rested: () => drawn()?.renew(),
+    options: () => drawn()?.renew(),
+    pointed: ({ face, at }) => drawn()?.point(face, at),
     finish: () => feed({ type: "finish", id: -1, x: 0, y: 0 }),
     choose_segment: ({ segment }) => chooseSegment(segment),
   });
@@ -141,6 +166,10 @@ export function createHand({ model, view, segments, root, send, on }) {
     },
     get tool() {
       return tool;
+    },
+    /** What to do next with the tool that draws, in words; null with any other. */
+    get drawingHint() {
+      return drawn()?.hint() ?? null;
     },
     points,
     options,

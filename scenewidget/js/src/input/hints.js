@@ -10,6 +10,7 @@ const PAINT = "Paint: drag inside a segment to draw a new one, or out of it to a
  * @param {object} hand
  * @param {import("./gestures.js").Gesture} hand.gesture
  * @param {import("./gestures.js").Tool} hand.tool
+ * @param {string | null} [hand.drawingHint]  of a tool that draws
  * @param {object} segments
  * @param {(hit: Hit) => string} segments.titleOf
  * @param {Record<string, string>} segments.names
@@ -18,13 +19,14 @@ const PAINT = "Paint: drag inside a segment to draw a new one, or out of it to a
  * @param {boolean} isSought  whether Python looks for a cut
  * @returns {{ text: string | null, of: "part" | "stroke" | "hint" }}
  */
-export function hintOf({ gesture, tool }, segments, isSought) {
+export function hintOf({ gesture, tool, drawingHint = null }, segments, isSought) {
   const { picked, stroke } = gesture;
   if (stroke) {
     const n = stroke.gathered.length;
     const what = n === 0 ? "gather parts for" : `${n} ${n === 1 ? "part" : "parts"} onto`;
     return { text: `Brush: ${what} ${segments.titleOf(stroke.onto)}`, of: "stroke" };
   }
+  if (drawingHint !== null) return { text: drawingHint, of: "hint" };
   if (tool === "cut") return { text: cutHint(picked, segments, isSought), of: "hint" };
   if (tool === "paint") return { text: PAINT, of: "hint" };
   if (tool === "brush") return { text: "Brush: drag over parts to gather them onto the first", of: "hint" };

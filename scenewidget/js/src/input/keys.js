@@ -52,6 +52,7 @@ const SHOW = [
   ["O", "outlines"],
   ["B", "back faces"],
   ["L", "list of segments; in it ↑ ↓ F H I N"],
+  ["D", "distance between two points"],
   ["P", "save the picture as a file"],
   ["?", "this help"],
 ];
@@ -71,6 +72,8 @@ const EDIT = [
   ["Ctrl + click; Shift + Enter", "gather one by one; merge them"],
   ["M", "paint: what a round brush covers, out of a segment or onto it"],
   ["[  ]", "smaller, larger brush; with Alt it leaves the surface"],
+  ["Q", "lasso: draw around faces, or click from corner to corner"],
+  ["Z", "slice: a plane by three points, or by a wall"],
   ["Right click, S", "split"],
   ["C", "cut: from one side to the other"],
   ["N", "name the segment"],
@@ -148,6 +151,7 @@ const COMMANDS = {
   v: { kind: "toggle", what: "inside" },
   x: { kind: "toggle", what: "section" },
   p: { kind: "toggle", what: "picture" },
+  d: { kind: "tool", tool: "measure" },
   "?": { kind: "toggle", what: "help" },
   escape: { kind: "escape" },
 };
@@ -179,6 +183,8 @@ const EDIT_COMMANDS = {
   c: { kind: "tool", tool: "cut" },
   g: { kind: "tool", tool: "brush" },
   m: { kind: "tool", tool: "paint" },
+  q: { kind: "tool", tool: "lasso" },
+  z: { kind: "tool", tool: "slice" },
   n: { kind: "part", what: "name" },
   "[": { kind: "resize", way: -1 },
   "]": { kind: "resize", way: 1 },

@@ -24,6 +24,8 @@
  * - let_go: of what is in hand; back: of that or, if there is nothing, of the tool
  * - choose_segment: what a click on its row in the list does
  * - option: of a tool is to be set
+ * - refine: the picked segment; refine_preview: show what that would change, null = no longer
+ * - take_box: what the section shows becomes a segment
  * - answer: a button of a notice was pressed
  * - cancel: the computation
  * - draw: the picture, at a size of its own, for `take` to copy; throws where that can't be
@@ -39,6 +41,9 @@
  *   | { kind: "go_to", n: number }
  *   | { kind: "draw", width: number, height: number, scale: number, take: (canvas: HTMLCanvasElement) => void }
  *   | { kind: "choose_segment", segment: number }
+ *   | { kind: "refine", how: import("../labels/prediction.js").Refinement }
+ *   | { kind: "refine_preview", how: import("../labels/prediction.js").Refinement | null }
+ *   | { kind: "take_box" }
  *   | { kind: "option", changes: Partial<import("./tool_options.js").ToolOptions> }
  *   | { kind: "answer", notice: string, action: string }} Wish
  */
@@ -53,7 +58,7 @@
  * - cut_sought: Python begins or ends to look for a cut
  *
  * To be shown beside the picture: remark (for a moment), hover (of what is pointed at), hint (of what can be
- * done next), line (from what is in hand to the pointer), ring (the round brush), twin (where a linked view points), cross (where keys
+ * done next), line (from what is in hand to the pointer), outline (what a tool draws), ring (the round brush), twin (where a linked view points), cross (where keys
  * act), marked (a row of the list), ask_name (the form).
  * @typedef {{ kind: "moving" | "rested" | "lost" | "restored" | "segments" | "state" | "hidden" | "hand" | "cut_sought" }
  *   | { kind: "moved", camera: import("../scene/camera.js").Camera }
@@ -67,6 +72,7 @@
  *   | { kind: "hover", words: { text: string, color: string | null } | null }
  *   | { kind: "hint", text: string | null, of: "part" | "stroke" | "hint" }
  *   | { kind: "line", from: Place | null, to: Place | null, isHeld: boolean }
+ *   | { kind: "outline", places: Place[], isClosed: boolean, hasDots: boolean, label: string }
  *   | { kind: "ring", place: Place | null, radius: number }
  *   | { kind: "twin", place: Place | null }
  *   | { kind: "cross", isShown: boolean }

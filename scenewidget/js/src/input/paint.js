@@ -11,7 +11,7 @@
 
 import { rangesOf } from "../labels/painting.js";
 import { NONE } from "../labels/partition.js";
-import { reached } from "../scene/surface.js";
+import { reached, specks } from "../scene/surface.js";
 
 /** @typedef {import("./gestures.js").Place} Place */
 
@@ -27,10 +27,17 @@ export function createPaint({ view, segments, options, send }) {
   let first = null;
   /** Whether the stroke has left the segment on which it began. */
   let hasLeft = false;
+  /** Whether the stroke began without sticking, or went on so. */
+  let isLoose = false;
+  let request = 0;
 
+  /** Show the stroke with the next frame: a fast pointer moves several times in between. */
   function show() {
-    segments.sketch = faces.size > 0 ? edit() : null;
-    send({ kind: "segments" });
+    request ||= requestAnimationFrame(() => {
+      request = 0;
+      segments.sketch = edit();
+      send({ kind: "segments" });
+    });
   }
 
   function edit() {
@@ -60,8 +67,10 @@ export function createPaint({ view, segments, options, send }) {
   }
 
   function drop() {
+    cancelAnimationFrame(request);
+    request = 0;
     const hadAny = faces.size > 0;
-    [faces, first, hasLeft] = [new Set(), null, false];
+    [faces, first, hasLeft, isLoose] = [new Set(), null, false, false];
     segments.sketch = null;
     if (hadAny) send({ kind: "segments" });
   }
@@ -77,7 +86,7 @@ export function createPaint({ view, segments, options, send }) {
     const radius = radiusAt(view, options.current, place);
     if (!sight || (!surface && !view.isCloud) || radius === null) return [];
     const seen = view.facesAround(place, radius);
-    const { unit, sticks, takesAway } = options.current;
+    const { unit, sticks } = options.current;
     const reach = options.current.radius.cm / 100;
     if (unit === "cm" && middle)
       for (const face of seen) if (sight.awayFrom(face, middle) > (2 * reach) ** 2) seen.delete(face);
@@ -86,14 +95,18 @@ export function createPaint({ view, segments, options, send }) {
       const { x, y } = sight.placeOf(face);
       return (x - place.x) ** 2 + (y - place.y) ** 2 <= radius ** 2;
     };
-    const home = first === null || !takesAway ? NONE : segments.baseOf(first);
     const counts = (/** @type {number} */ face) =>
-      (home === NONE || segments.baseOf(face) === home) &&
-      (seen.has(face) || (isUnder(face) && sight.isSeen(face)));
+      isOfHome(face) && (seen.has(face) || (isUnder(face) && sight.isSeen(face)));
     if (!surface) return [...seen].filter(counts); // points have no creases that are known here
     const isBound = sticks && !isFree;
+    isLoose ||= !isBound;
     const begun = faces.size > 0 ? [...seen].filter((face) => faces.has(face)) : [first ?? -1];
     return reached(surface, isBound ? begun.filter((face) => face >= 0) : seen, counts, isBound);
+  }
+
+  /** Whether the stroke may take a face: to take away, of the segment it began on alone. @param {number} face */
+  function isOfHome(face) {
+    return !options.current.takesAway || segments.baseOf(face) === segments.baseOf(first ?? face);
   }
 
   return {
@@ -120,6 +133,8 @@ export function createPaint({ view, segments, options, send }) {
 
     /** Do what is shown. */
     finish() {
+      const { surface } = view;
+      if (surface && !isLoose) for (const face of specks(surface, faces, isOfHome)) faces.add(face);
       const done = faces.size > 0 ? edit() : null;
       drop();
       if (done) send({ kind: "edit", edit: done });

@@ -8,7 +8,7 @@ import { placeOn } from "./place.js";
 const HOLD_MS = 500; // a long press
 const BRUSH_STEP = 5; // pixels: a fast brush misses nothing that is wider
 const IS_MAC = /mac/i.test(globalThis.navigator?.platform ?? "");
-const DOWN = ["tap", "press", "link", "aside", "dab", "brush", "paint"]; // phases that end when the pointer is taken away
+const DOWN = ["tap", "press", "link", "aside", "dab", "brush", "paint", "trace"]; // phases that end when the pointer is taken away
 
 /**
  * @param {import("./messages.js").Around & {

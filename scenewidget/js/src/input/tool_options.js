@@ -6,11 +6,19 @@
  * @property {{ px: number, cm: number }} radius  of the brush
  * @property {boolean} sticks  whether the brush stays on the surface it began on
  * @property {boolean} takesAway  whether the brush takes faces from the segment it began on
+ * @property {boolean} isThrough  whether the lasso takes what is behind as well
+ * @property {boolean} isOfOne  whether it takes faces of one segment alone
+ * @property {"points" | "wall"} plane  what says where a slice goes
+ * @property {number} offset  of a slice in front of the wall, centimetres
  */
 
 /** @type {ToolOptions} */
-export const FIRST_OPTIONS = { unit: "px", radius: { px: 12, cm: 4 }, sticks: true, takesAway: false };
+export const FIRST_OPTIONS = {
+  ...{ unit: "px", radius: { px: 12, cm: 4 }, sticks: true, takesAway: false },
+  ...{ isThrough: false, isOfOne: false, plane: "points", offset: 2 },
+};
 const LARGER = 1.25;
+const OFFSET = 0.5; // centimetres
 /** Smallest and largest radius. */
 const LIMITS = { px: [2, 200], cm: [0.2, 200] };
 
@@ -35,8 +43,16 @@ export function createToolOptions({ send, on }) {
   });
 
   return {
-    /** Make the brush larger or smaller by a step. @param {1 | -1} way */
-    resize: (way) => change({ radius: resized(options, LARGER ** way) }),
+    /**
+     * Make the brush larger or smaller by a step, or move a slice by one.
+     * @param {string} tool
+     * @param {1 | -1} way
+     */
+    resize(tool, way) {
+      if (tool === "paint") change({ radius: resized(options, LARGER ** way) });
+      else if (tool === "slice" && options.plane === "wall")
+        change({ offset: Number((options.offset + OFFSET * way).toFixed(1)) });
+    },
 
     get current() {
       return options;

@@ -4,6 +4,8 @@ import { countSegments, describe, NONE } from "./partition.js";
 
 /** @typedef {import("./partition.js").Partition} Partition */
 
+const LOCALE = globalThis.navigator?.language || "en";
+
 /**
  * A face's segment with its size and confidence, and its part if that is something else.
  * @param {Partition} partition
@@ -23,7 +25,7 @@ export function describeFace(partition, face, { level, names, confidence, noun }
     isLabeled ? segmentTitle(segment, names) : "Unlabeled",
     isLabeled ? counted(segmentFaces, noun) : "",
     isLabeled && segmentArea > 0 ? `${area(segmentArea)} m²` : "",
-    sure === undefined ? "" : `confidence ${sure.toFixed(2)}`,
+    sure === undefined ? "" : `confidence ${localNumber(sure, 2)}`,
     isSame ? "" : `${level} part of ${counted(partFaces, noun)}`,
   ]
     .filter(Boolean)
@@ -46,12 +48,22 @@ export function segmentTitle(segment, names) {
   return names[segment] ? `Segment ${segment} (${names[segment]})` : `Segment ${segment}`;
 }
 
+/**
+ * A number as the reader writes it, with so many decimals.
+ * @param {number} value
+ * @param {number} [decimals]
+ */
+export function localNumber(value, decimals = 0) {
+  return value.toLocaleString(LOCALE, { minimumFractionDigits: decimals, maximumFractionDigits: decimals });
+}
+
 /** @param {number} n @param {string} noun */
 export function counted(n, noun) {
-  return `${n.toLocaleString("en")} ${noun}${n === 1 ? "" : "s"}`;
+  return `${localNumber(n)} ${noun}${n === 1 ? "" : "s"}`;
 }
 
 /** @param {number} value */
 function area(value) {
-  return value >= 100 ? Math.round(value).toLocaleString("en") : value.toPrecision(2);
+  const digits = { minimumSignificantDigits: 2, maximumSignificantDigits: 2 };
+  return value >= 100 ? localNumber(value) : value.toLocaleString(LOCALE, digits);
 }

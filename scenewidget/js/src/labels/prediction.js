@@ -13,9 +13,12 @@ import { NONE } from "./partition.js";
  *   | { kind: "split", face: number, level: string }
  *   | { kind: "cut", face_a: number, face_b: number }
  *   | { kind: "paint", ranges: number[], onto_face: number | null }
+ *   | { kind: "slice", face: number, point: number[], normal: number[], off?: number[] }
+ *   | { kind: Refinement, face: number }
  *   | { kind: "relabel", face: number, name: string }} Edit
  */
 
+/** @typedef {"grow" | "shrink" | "fill_holes" | "smooth_border"} Refinement  Python alone knows what becomes of it */
 /** @typedef {Edit | { kind: "undo" | "redo" } | { kind: "go_to", n: number }} Operation */
 
 /**
@@ -34,7 +37,11 @@ import { NONE } from "./partition.js";
 /** The level whose parts, to a merge, are the segments as they are now. */
 export const FINAL = "final";
 
-const TITLES = { merge: "Merge", split: "Split", relabel: "Name", cut: "Cut", paint: "Paint" };
+const TITLES = {
+  ...{ merge: "Merge", split: "Split", relabel: "Name", cut: "Cut", paint: "Paint", slice: "Slice" },
+  ...{ grow: "Grow", shrink: "Shrink", fill_holes: "Fill holes", smooth_border: "Smooth border" },
+};
+const REFINEMENTS = ["grow", "shrink", "fill_holes", "smooth_border"];
 
 /**
  * The labels after an edit, or why it can't be done.
@@ -47,8 +54,14 @@ export function foresee(ground, labels, edit) {
   ground = labels.finer ?? ground;
   if (edit.kind === "paint") return afterPaint(ground, labels, edit);
   if (edit.kind === "cut") return beforeCut(ground, labels, edit);
+  if (edit.kind === "slice") {
+    const paint = /** @type {const} */ ({ kind: "paint", ranges: edit.off ?? [], onto_face: null });
+    return edit.off ? afterPaint(ground, labels, paint) : { ...labels };
+  }
   const first = Array.isArray(edit.face) ? edit.face[0] : edit.face;
   const home = labels.atomSegment[ground.faceAtom[first]];
+  if (isRefinement(edit))
+    return home === NONE ? "This surface is unlabeled: there is no segment here" : { ...labels };
   if (edit.kind === "relabel") {
     if (home === NONE) return "This surface is unlabeled: there is no segment to name";
     if ((labels.names[home] ?? "") === edit.name) return "The segment has this name already";
@@ -65,6 +78,11 @@ export function foresee(ground, labels, edit) {
   const target = labels.atomSegment[ground.faceAtom[edit.onto_face]];
   if (target === NONE) return "That surface is unlabeled: there is no segment to join";
   return joins(labels, moves, target) ? moved(labels, moves, target) : "Both are in one segment already";
+}
+
+/** @param {Edit} edit @returns {edit is { kind: Refinement, face: number }} */
+function isRefinement(edit) {
+  return REFINEMENTS.includes(edit.kind);
 }
 
 /**

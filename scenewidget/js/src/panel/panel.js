@@ -9,6 +9,7 @@ import { createHelpCard } from "./help_card.js";
 import { createHistory } from "./history.js";
 import { createLegend } from "./legend.js";
 import { createNameForm } from "./name_form.js";
+import { createOutline } from "./outline.js";
 import { createPickedBar } from "./picked_bar.js";
 import { createPicturePanel } from "./picture_panel.js";
 import { createProgress } from "./progress.js";
@@ -60,6 +61,7 @@ export function createPanel(host, { send, on }) {
   const picked = createPickedBar(send, leave);
   const nameForm = createNameForm(send, leave);
   const band = createRubberBand();
+  const outline = createOutline();
   const list = createSegmentList(send, leave);
   const section = createSectionPanel(send, leave);
   const picture = createPicturePanel(send, leave, {
@@ -77,7 +79,18 @@ export function createPanel(host, { send, on }) {
   ]);
   const root = element("div", ATTRIBUTES, [
     element("div", { class: "sw-stage" }, [
-      ...[canvas, twin, preview, band.element, ring, cross, toolbar.element, legend.element, status.element],
+      ...[
+        canvas,
+        twin,
+        preview,
+        band.element,
+        outline.element,
+        ring,
+        cross,
+        toolbar.element,
+        legend.element,
+        status.element,
+      ],
       ...[progress.track, history.element, section.element, picture.element, dock],
       ...[nameForm.element, help.element, announcer.element],
     ]),
@@ -118,6 +131,7 @@ export function createPanel(host, { send, on }) {
       options.showTool(tool);
     },
     options: ({ options: next }) => options.show(next),
+    outline: (what) => outline.show(what),
     ring({ place, radius }) {
       ring.hidden = !place;
       if (!place) return;
@@ -185,7 +199,7 @@ export function createPanel(host, { send, on }) {
     /** @param {import("./state.js").PanelState} state */
     update(state) {
       toolbar.update(state);
-      section.update(state.section, state.lengths);
+      section.update(state.section, state.lengths, state.editable);
       list.show(state.segmentList && state.hasPartition, state.noun);
       progress.update(state);
       error.update(state);

@@ -11,6 +11,14 @@ const ACTIONS = [
   ["Frame", "frame", "Fit this segment into the view (F)"],
 ];
 
+/** @type {Array<[import("../labels/prediction.js").Refinement, Parameters<typeof iconButton>[0], string]>} */
+const REFINEMENTS = [
+  ["grow", "grow", "Grow by a ring of faces"],
+  ["shrink", "shrink", "Shrink by a ring of faces"],
+  ["fill_holes", "fillHoles", "Fill holes"],
+  ["smooth_border", "smooth", "Smooth the border"],
+];
+
 /**
  * @param {import("../input/messages.js").Send} send
  * @param {() => void} leave  puts the focus back when the bar goes
@@ -24,19 +32,27 @@ export function createPickedBar(send, leave) {
     button.onclick = () => send({ kind: "act_on_picked", what });
     return button;
   });
+  const refinements = REFINEMENTS.map(([how, icon, name]) => {
+    const button = iconButton(icon, name, "");
+    button.title = name;
+    button.onclick = () => send({ kind: "refine", how });
+    button.onpointerenter = button.onfocus = () => send({ kind: "refine_preview", how });
+    button.onpointerleave = button.onblur = () => send({ kind: "refine_preview", how: null });
+    return button;
+  });
   letGo.onclick = () => send({ kind: "back" });
   finish.onclick = () => send({ kind: "finish" });
   const bar = element(
     "div",
     { class: "sw-picked", role: "toolbar", "aria-label": "Picked part", hidden: "" },
-    [text, ...buttons, finish, letGo],
+    [text, ...buttons, ...refinements, finish, letGo],
   );
   return {
     element: bar,
 
     /** @param {{ text: string | null, of: "part" | "stroke" | "hint" }} hint */
     show({ text: words, of }) {
-      for (const button of buttons) button.hidden = of !== "part";
+      for (const button of [...buttons, ...refinements]) button.hidden = of !== "part";
       finish.hidden = of !== "stroke";
       bar.dataset.kind = of;
       if (text.textContent !== (words ?? "")) text.textContent = words ?? "";

@@ -43,6 +43,7 @@ export function createSectionPanel(send, leave) {
     return { ends, kept, text, parts: [element("span", {}, [name]), slider, text] };
   });
   const ceiling = textButton("Cut the ceiling off", "Keep what is below the ceiling (Shift + X)");
+  const take = textButton("Make it a segment", "What the box shows becomes a segment of its own");
   const reset = textButton("Show the whole scan", "Cut nothing (Shift + X)");
   const close = iconButton("close", "Close the section panel", "X");
   const panel = element("div", { class: "sw-section", role: "dialog", "aria-label": "Section", hidden: "" }, [
@@ -52,7 +53,7 @@ export function createSectionPanel(send, leave) {
       { class: "sw-section-rows" },
       rows.flatMap(({ parts }) => parts),
     ),
-    element("div", { class: "sw-section-foot" }, [ceiling, reset]),
+    element("div", { class: "sw-section-foot" }, [ceiling, reset, take]),
   ]);
   const show = (/** @type {boolean} */ isShown, { isFocused = true } = {}) => {
     if (panel.hidden !== isShown) return;
@@ -62,6 +63,7 @@ export function createSectionPanel(send, leave) {
     else leave();
   };
   ceiling.onclick = () => send({ kind: "cut_ceiling" });
+  take.onclick = () => send({ kind: "take_box" });
   reset.onclick = () => set(WHOLE);
   close.onclick = () => show(false);
   panel.onkeydown = (event) => {
@@ -75,8 +77,12 @@ export function createSectionPanel(send, leave) {
     show,
     isShown: () => !panel.hidden,
 
-    /** @param {Range[]} next @param {number[]} metres  of the whole scan along each axis */
-    update(next, metres) {
+    /**
+     * @param {Range[]} next
+     * @param {number[]} metres  of the whole scan along each axis
+     * @param {boolean} [isEditable]
+     */
+    update(next, metres, isEditable = false) {
       [ranges, lengths] = [next, metres];
       rows.forEach(({ ends, kept, text }, axis) => {
         const [low, high] = ranges[axis];
@@ -91,6 +97,7 @@ export function createSectionPanel(send, leave) {
         for (const [i, end] of ends.entries()) end.setAttribute("aria-valuetext", `${[from, to][i]} m`);
       });
       reset.disabled = isWhole(ranges);
+      take.hidden = !isEditable || isWhole(ranges);
     },
   };
 }

@@ -66,8 +66,52 @@ export function createToolOptionsBar(send, leave) {
     element("label", { class: "sw-field" }, [element("span", {}, ["Radius"]), size]),
     ...[unit, sticks.button, takesAway.button],
   ]);
+  const isThrough = toggle(
+    "Through",
+    "Take what is behind as well, not only what is seen",
+    (now) => now.isThrough,
+    (isOn) => ({ isThrough: isOn }),
+  );
+  const isOfOne = toggle(
+    "One segment",
+    "Take faces of one segment alone: the one that has most within the outline",
+    (now) => now.isOfOne,
+    (isOn) => ({ isOfOne: isOn }),
+  );
+  const close = textButton("Close outline", "Close the outline (Shift + Enter)");
+  close.onclick = () => send({ kind: "finish" });
+  const lasso = element("div", { class: "sw-options-group" }, [...[isThrough.button, isOfOne.button, close]]);
+  const byPoints = toggle(
+    "Three points",
+    "A plane through three points; the first one says which segment is cut",
+    (now) => now.plane === "points",
+    () => ({ plane: "points" }),
+  );
+  const byWall = toggle(
+    "By a wall",
+    "A plane along the wall, table or floor that the segment leans on",
+    (now) => now.plane === "wall",
+    () => ({ plane: "wall" }),
+  );
+  const offset = createNumberInput(
+    { step: 0.5, low: -100, high: 100 },
+    {
+      class: "sw-size",
+      "aria-label": "Centimetres in front of it",
+      title: "Centimetres in front of it ([ and ])",
+    },
+    () => takeOffset(),
+  );
+  const takeOffset = () => {
+    const value = numberOf(offset.value);
+    if (Number.isFinite(value)) set({ offset: Math.min(100, Math.max(-100, value)) });
+    else update();
+  };
+  offset.onchange = takeOffset;
+  const gap = element("label", { class: "sw-field" }, [offset, element("span", {}, ["cm in front"])]);
+  const slice = element("div", { class: "sw-options-group" }, [byPoints.button, byWall.button, gap]);
   /** @type {Partial<Record<import("../input/gestures.js").Tool, HTMLElement>>} */
-  const groups = { paint: brush };
+  const groups = { paint: brush, lasso, slice };
   const bar = element(
     "div",
     { class: "sw-options", role: "toolbar", "aria-label": "Options of the tool", hidden: "" },
@@ -75,7 +119,9 @@ export function createToolOptionsBar(send, leave) {
   );
 
   function update() {
-    for (const { update: show } of [takesAway, sticks]) show();
+    for (const { update: show } of [takesAway, sticks, isThrough, isOfOne, byPoints, byWall]) show();
+    offset.value = String(options.offset);
+    gap.hidden = options.plane !== "wall";
     size.value = String(options.radius[options.unit]);
     unit.value = options.unit;
   }

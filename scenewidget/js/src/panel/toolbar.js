@@ -22,6 +22,7 @@ export function createToolbar(send, autosave) {
   const backFaces = iconButton("backFaces", "Back faces", "B");
   const segmentList = iconButton("list", "List of segments", "L");
   const picture = iconButton("picture", "Picture", "P");
+  const measure = iconButton("measure", "Distance", "D");
   const help = element(
     "button",
     { class: "sw-button", type: "button", "aria-label": "Help", title: "Help (?)" },
@@ -66,7 +67,7 @@ export function createToolbar(send, autosave) {
     history,
     element("div", { class: "sw-group" }, [outlines, backFaces, section]),
     element("div", { class: "sw-group" }, [fit, above, inside, start]),
-    element("div", { class: "sw-group" }, [segmentList, picture, help]),
+    element("div", { class: "sw-group" }, [segmentList, measure, picture, help]),
   ]);
 
   fit.onclick = () => send({ kind: "look", from: "here" });
@@ -75,6 +76,7 @@ export function createToolbar(send, autosave) {
   inside.onclick = () => send({ kind: "toggle", what: "inside" });
   help.onclick = () => send({ kind: "toggle", what: "help" });
   picture.onclick = () => send({ kind: "toggle", what: "picture" });
+  measure.onclick = () => send({ kind: "tool", tool: "measure" });
   section.onclick = () => send({ kind: "toggle", what: "section" });
   outlines.onclick = () => set("outlines", !isPressed(outlines));
   backFaces.onclick = () => set("back_faces", !isPressed(backFaces));
@@ -91,7 +93,12 @@ export function createToolbar(send, autosave) {
 
   return {
     element: bar,
-    showTool: toolbox.show,
+
+    /** @param {import("../input/gestures.js").Tool} tool */
+    showTool(tool) {
+      toolbox.show(tool);
+      setPressed(measure, tool === "measure");
+    },
 
     /** @param {boolean} isInside  whether one stands in the room */
     showInside: (isInside) => setPressed(inside, isInside),

@@ -1,4 +1,4 @@
-/** What a drag does in edit mode: merge, brush, cut or paint. */
+/** What a press or a drag does in edit mode. */
 
 import { element, iconButton } from "./elements.js";
 
@@ -11,8 +11,10 @@ export function createToolbox(setTool) {
     brush: iconButton("brush", "Brush", "G, or Ctrl + drag"),
     cut: iconButton("cut", "Cut", "C"),
     paint: iconButton("paint", "Paint", "M"),
+    lasso: iconButton("lasso", "Lasso", "Q"),
+    slice: iconButton("slice", "Slice", "Z"),
   };
-  const tools = /** @type {Tool[]} */ (Object.keys(buttons));
+  const tools = /** @type {Array<keyof typeof buttons>} */ (Object.keys(buttons));
   let shown = /** @type {Tool} */ ("merge");
   for (const tool of tools) {
     buttons[tool].onclick = () => tool !== shown && setTool(tool);

@@ -2,7 +2,7 @@
 
 import { readArray } from "../wire/wire.js";
 import { boundingBall, vertexNormals } from "./geometry.js";
-import { upright, uprightNormals } from "./upright.js";
+import { upright, uprightAxes, uprightNormals } from "./upright.js";
 
 /** @typedef {import("../wire/wire.js").Model} Model */
 /** @typedef {import("./renderer.js").MeshArrays} MeshArrays */
@@ -33,6 +33,7 @@ export function readMesh(model) {
     areas,
     normals: sides ? uprightNormals(sides, up) : vertexNormals(vertices, /** @type {Uint32Array} */ (faces)),
     bounds: boundingBall(vertices),
+    axes: vertices === given ? null : uprightAxes(up),
     up: String(up),
   };
   meshes.set(model, mesh);

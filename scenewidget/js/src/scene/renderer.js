@@ -58,6 +58,7 @@ import {
  * @property {Float32Array | null} areas  of the points of a cloud, which are its faces; null for a mesh
  * @property {Uint8Array | null} colors  rows of three
  * @property {Ball} bounds
+ * @property {import("./upright.js").Vec3Axes | null} axes  of the upright room in the mesh's own; null: the same
  */
 
 /**

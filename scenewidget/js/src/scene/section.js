@@ -116,3 +116,21 @@ export function belowCeiling({ low, high }, { points, normals }) {
   if (most < 0.1 * up || best < 0) return USUAL_CUT;
   return Math.max(0.3, (best - 1) / HEIGHTS - BELOW_CEILING);
 }
+
+/**
+ * Whether the middle of a face lies in a box.
+ * @param {{ vertices: Float32Array, faces: Uint32Array }} mesh
+ * @param {number} face
+ * @param {Box} box
+ */
+export function isInside({ vertices, faces }, face, { axes, low, high }) {
+  for (let k = 0; k < 3; k++) {
+    let along = 0;
+    for (let i = 3 * face; i < 3 * face + 3; i++) {
+      const v = 3 * faces[i];
+      along += vertices[v] * axes[k][0] + vertices[v + 1] * axes[k][1] + vertices[v + 2] * axes[k][2];
+    }
+    if (along < 3 * low[k] || along > 3 * high[k]) return false;
+  }
+  return true;
+}

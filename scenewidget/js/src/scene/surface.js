@@ -87,22 +87,62 @@ export function reached(surface, seeds, counts, sticks) {
       }
     }
   }
-  const most = SPECK * faces.length;
-  for (const face of beyond) {
-    if (mark[face] !== isLeft) continue;
-    const piece = [face];
-    mark[face] = isOut;
-    for (let i = 0; i < piece.length; i++) {
-      for (let side = 0; side < 3; side++) {
-        const next = neighbors[3 * piece[i] + side];
-        if (next === NOBODY || look(next) !== isLeft) continue;
-        mark[next] = isOut;
+  const rest = (/** @type {number} */ face) => look(face) === isLeft;
+  return [...faces, ...pieces(surface, beyond, rest, isOut, SPECK * faces.length)];
+}
+
+/**
+ * Small pieces of what is left out of some faces, amid them.
+ * @param {Surface} surface
+ * @param {Set<number>} faces
+ * @param {(face: number) => boolean} counts
+ * @returns {number[]}
+ */
+export function specks(surface, faces, counts) {
+  const { neighbors, mark } = surface;
+  const isDone = ++surface.last;
+  const beyond = [];
+  for (const face of faces) {
+    for (let side = 3 * face; side < 3 * face + 3; side++) {
+      const next = neighbors[side];
+      if (next !== NOBODY && !faces.has(next)) beyond.push(next);
+    }
+  }
+  const rest = (/** @type {number} */ face) => mark[face] !== isDone && !faces.has(face) && counts(face);
+  return pieces(surface, beyond, rest, isDone, SPECK * faces.size);
+}
+
+/**
+ * Faces of the connected pieces that aren't too large.
+ * @param {Surface} surface
+ * @param {number[]} seeds
+ * @param {(face: number) => boolean} isRest  and hasn't got the mark yet
+ * @param {number} isDone  the mark that those get that were looked at
+ * @param {number} most  faces
+ */
+function pieces({ neighbors, mark }, seeds, isRest, isDone, most) {
+  /** Faces of pieces that are too large to be followed to their ends. @type {Set<number>} */
+  const large = new Set();
+  const found = [];
+  for (const seed of seeds) {
+    if (!isRest(seed)) continue;
+    const piece = [seed];
+    mark[seed] = isDone;
+    let isLarge = false;
+    for (let i = 0; i < piece.length && piece.length <= most; i++) {
+      for (let side = 3 * piece[i]; side < 3 * piece[i] + 3; side++) {
+        const next = neighbors[side];
+        if (next === NOBODY) continue;
+        isLarge ||= large.has(next);
+        if (!isRest(next)) continue;
+        mark[next] = isDone;
         piece.push(next);
       }
     }
-    if (piece.length <= most) faces.push(...piece);
+    if (isLarge || piece.length > most) for (const face of piece) large.add(face);
+    else found.push(...piece);
   }
-  return faces;
+  return found;
 }
 
 /**

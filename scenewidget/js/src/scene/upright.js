@@ -2,6 +2,8 @@
 
 /** @typedef {import("./camera.js").Vec3} Vec3 */
 
+/** @typedef {[Vec3, Vec3, Vec3]} Vec3Axes */
+
 const NAMES = ["x", "y", "z"];
 
 /**
@@ -72,4 +74,16 @@ export function axisNames(up) {
       const k = axis.findIndex((value) => Math.abs(value) > 1 - 1e-6);
       return k < 0 ? "" : (axis[k] > 0 ? "+" : "−") + NAMES[k];
     });
+}
+
+/**
+ * A vector of the upright room in the mesh's own coordinates.
+ * @param {Vec3} vector
+ * @param {[Vec3, Vec3, Vec3] | null} axes  of the room; null: they are the mesh's own
+ * @returns {Vec3}
+ */
+export function ownVector([x, y, z], axes) {
+  if (!axes) return [x, y, z];
+  const [a, b, c] = axes;
+  return /** @type {Vec3} */ ([0, 1, 2].map((k) => x * a[k] + y * b[k] + z * c[k]));
 }

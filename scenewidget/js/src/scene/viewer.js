@@ -25,11 +25,13 @@ import {
 import { between, shorterTurn } from "./flight.js";
 import { boundingBall, coarse, sample, thinned } from "./geometry.js";
 import { SceneRenderer } from "./renderer.js";
-import { belowCeiling, boxOf, extentOf, isWhole, pointsInside, WHOLE } from "./section.js";
+import { belowCeiling, boxOf, extentOf, isInside, isWhole, pointsInside, WHOLE } from "./section.js";
 import { createSight } from "./sight.js";
 import { faceIn, facesAround, pointIn, rayAt } from "./snapshot.js";
 import { surveyOf } from "./surveys.js";
+import { ownVector } from "./upright.js";
 import { dolly, goTo, lookAround, lookTo, standing, standingPlace, walked } from "./walk.js";
+import { facesWithin } from "./within.js";
 
 /** @typedef {import("./camera.js").Camera} Camera */
 /** @typedef {import("./camera.js").Vec3} Vec3 */
@@ -105,6 +107,8 @@ export class Viewer {
     this.extent = null;
     /** Where one looked from before going inside. @type {Camera | null} */
     this.outside = null;
+    /** What is left of the scan; null = all. @type {import("./section.js").Box | null} */
+    this.box = null;
     this.size = { width: 0, height: 0 };
     /** @type {{ snapshot: import("./snapshot.js").Snapshot, sight: import("./sight.js").Sight } | null} */
     this.seen = null;
@@ -175,6 +179,7 @@ export class Viewer {
 
   #cut() {
     const box = this.extent && boxOf(this.extent, this.section);
+    this.box = box;
     const { points } = this.sample ?? { points: new Float32Array(0) };
     this.points = box ? pointsInside(points, box) : points;
     this.renderer.setSection(box);
@@ -426,6 +431,33 @@ export class Viewer {
     return facesAround(this.snapshot, place, radius, this.size);
   }
 
+  /**
+   * Faces that have a pixel within an outline; none while the picture moves.
+   * @param {Place[]} outline
+   */
+  facesWithin(outline) {
+    if (!this.snapshot || this.isMoving) return /** @type {Set<number>} */ (new Set());
+    return facesWithin(this.snapshot, outline, this.size);
+  }
+
+  /** Whether a face is neither hidden nor cut away. @param {number} face */
+  isDrawn(face) {
+    const { hidden, partition, mesh, box } = this;
+    if (!mesh || (partition && hidden?.[partition.faceAtom[face]])) return false;
+    return !box || isInside(mesh, face, box);
+  }
+
+  /** Faces that are neither hidden nor cut away. @returns {Generator<number>} */
+  *drawnFaces() {
+    const n = (this.mesh?.faces.length ?? 0) / 3;
+    for (let face = 0; face < n; face++) if (this.isDrawn(face)) yield face;
+  }
+
+  /** A point or a direction in the scan's own axes. @param {Vec3} vector @returns {Vec3} */
+  ownVector(vector) {
+    return this.mesh ? ownVector(vector, this.mesh.axes) : vector;
+  }
+
   /** What is seen of the scan, as it last stood still; null while it moves. */
   get sight() {
     const { snapshot, mesh, size } = this;
@@ -436,7 +468,7 @@ export class Viewer {
 
   /** Begin to look at what touches what, for tools that are about to need it. */
   prepareSurface() {
-    if (this.mesh) surveyOf(this.mesh).begin();
+    if (this.mesh && !this.isCloud) surveyOf(this.mesh).begin();
   }
 
   /** What touches what on the scan. */
@@ -496,6 +528,17 @@ export class Viewer {
   pointAt(place) {
     if (!this.snapshot || !this.mesh) return null;
     return pointIn(this.snapshot, place, this.size, this.mesh);
+  }
+
+  /**
+   * Point of the surface at a place or, on the background, as far away as what the picture is about.
+   * @param {Place} place
+   * @returns {Vec3}
+   */
+  pointBefore(place) {
+    const { width, height } = this.size;
+    const direction = rayAt(this.camera, place, this.size, width / Math.max(1, height));
+    return this.pointAt(place) ?? add(frame(this.camera).eye, direction, this.camera.distance);
   }
 
   /** The context is gone for now; three.js takes it up again by itself. */

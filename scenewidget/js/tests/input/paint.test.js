@@ -10,10 +10,15 @@ function painting(changes = {}) {
   return picture;
 }
 
-test("a stroke inside a segment makes its faces a new one, in one edit on release", () => {
+/** Until the page has been drawn. */
+const frame = () => new Promise((drawn) => setTimeout(drawn, 5));
+
+test("a stroke inside a segment makes its faces a new one, in one edit on release", async () => {
   const { segments, press, take, root } = painting();
   press("down", 12);
   assert.equal(root.dataset.gesture, "paint");
+  assert.equal(segments.sketch, null);
+  await frame();
   assert.deepEqual(segments.sketch, { kind: "paint", ranges: [11, 14], onto_face: null });
   press("move", 14);
   assert.deepEqual(take("edit"), []);
@@ -24,11 +29,12 @@ test("a stroke inside a segment makes its faces a new one, in one edit on releas
   ]);
 });
 
-test("a stroke that leaves the segment brings the others' faces to it", () => {
+test("a stroke that leaves the segment brings the others' faces to it", async () => {
   const { segments, press, take } = painting();
   press("down", 18);
   press("move", 19);
   press("move", 20);
+  await frame();
   assert.equal(segments.sketch.onto_face, 18);
   press("up", 21);
   assert.deepEqual(take("edit")[0].edit, { kind: "paint", ranges: [17, 23], onto_face: 18 });

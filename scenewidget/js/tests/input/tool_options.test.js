@@ -9,8 +9,13 @@ test("an option that is set is told to all, the others stay", () => {
   handlers.option({ changes: { unit: "cm" } });
   assert.deepEqual(options.current, { ...FIRST_OPTIONS, unit: "cm" });
   assert.deepEqual(take("options"), [{ kind: "options", options: options.current }]);
-  options.resize(-1);
+  options.resize("paint", -1);
   assert.deepEqual(options.current.radius, { px: 12, cm: 3.2 });
+  options.resize("slice", 1);
+  assert.equal(options.current.offset, 2);
+  handlers.option({ changes: { plane: "wall" } });
+  options.resize("slice", 1);
+  assert.equal(options.current.offset, 2.5);
 });
 
 test("every step changes the radius, in round numbers and within bounds", () => {
