@@ -82,7 +82,15 @@ def _explaining_typos(cls: type[_T]) -> type[_T]:
         _check_names(options, [field.name for field in dataclasses.fields(cls)])  # type: ignore[arg-type]
         plain(self, **options)
 
+    def refuse(self: _T, name: str, value: Any) -> None:
+        _check_names([name], [field.name for field in dataclasses.fields(cls)])  # type: ignore[arg-type]
+        raise dataclasses.FrozenInstanceError(
+            f"Params don't change: write params = params.replace({name}=…), or of a widget "
+            f"w.params = w.params.replace({name}=…)"
+        )
+
     cls.__init__ = init  # type: ignore[assignment]
+    cls.__setattr__ = refuse  # type: ignore[assignment]
     return cls
 
 

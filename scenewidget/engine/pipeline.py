@@ -34,6 +34,7 @@ def segment(
     features: FloatArray | None = None,
     progress: Progress | None = None,
     cancel: threading.Event | None = None,
+    **options: Any,
 ) -> Segmentation:
     """Cut a mesh into meaningful pieces.
 
@@ -51,6 +52,8 @@ def segment(
         Called from the calling thread and from workers, never by two at once.
     cancel : threading.Event, optional
         Set it from another thread to stop.
+    **options
+        None: those of `Params` are refused with what to write.
 
     Returns
     -------
@@ -83,6 +86,9 @@ def segment(
     >>> sw.segment(plane, params, features=side).n_segments
     2
     """
+    if options:
+        given = ", ".join(f"{name}={value!r:.40}" for name, value in options.items())
+        raise TypeError(f"segment takes options in Params: write segment(mesh, Params({given}))")
     if features is not None and _checked(params).feature != "given":
         raise ValueError(
             f"features are not looked at under feature={_checked(params).feature!r}; "

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from scenewidget.engine.boxes import oriented_boxes
 from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.doubt import Doubt, doubts
 from scenewidget.engine.items import Items
@@ -337,6 +338,33 @@ class Segmentation:
             object.__setattr__(self, "doubt", found)
         assert self.doubt is not None
         return self.doubt
+
+    def boxes(self, up: FloatArray | None = None) -> pd.DataFrame:
+        """The smallest upright box around each segment: center (m), size (m), axes.
+
+        Parameters
+        ----------
+        up : (3,) float, optional
+            Against gravity; z by default.
+
+        Returns
+        -------
+        boxes : DataFrame
+            A row a segment, of tuples: ``size`` is the longer and the shorter side of the plan and the
+            height, the three ``axes`` are unit vectors along them; see `boxes.oriented_boxes`.
+        """
+        import pandas as pd
+
+        found = oriented_boxes(self.mesh, self.labels, self.n_segments, up)
+        return pd.DataFrame(
+            {
+                "name": list(self.names),
+                "center": [tuple(row) for row in found.center.tolist()],
+                "size": [tuple(row) for row in found.size.tolist()],
+                "axes": [tuple(map(tuple, rows)) for rows in found.axes.tolist()],
+            },
+            index=pd.RangeIndex(self.n_segments, name="segment"),
+        )
 
     def to_frame(self) -> pd.DataFrame:
         """A row a segment: name, faces, area (m²), centroid (m), normal, flatness, confidence.

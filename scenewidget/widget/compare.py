@@ -25,6 +25,8 @@ from scenewidget.engine.stages import TITLES
 from scenewidget.evaluation import evaluate
 from scenewidget.metrics import quick_scores
 from scenewidget.palette import keep_colors
+from scenewidget.widget.lifetimes import belongs_to_its_cell, close_all
+from scenewidget.widget.observing import FaultTolerant
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scores import Scorer, disagreement, score_rows
 from scenewidget.widget.settings import params_code
@@ -47,7 +49,7 @@ TABLE_STYLE = "border-collapse:collapse;font-variant-numeric:tabular-nums"
 CELL_STYLE = "padding:1px 14px 1px 0;text-align:right"
 
 
-class Compare(widgets.VBox):
+class Compare(FaultTolerant, widgets.VBox):
     """Two views of one scan that turn together; set ``a`` or ``b`` to compare something else.
 
     Segments that overlap most have the same colour on both sides. "Errors" among the colours marks the faces
@@ -144,6 +146,7 @@ class Compare(widgets.VBox):
         row = widgets.Box(columns, layout={"flex_flow": "row wrap", "width": "100%"})
         super().__init__([row, self._table], a=a, b=b)
         self.observe(lambda _: self._compute(), ["a", "b"])
+        belongs_to_its_cell(self)
         self._compute()
 
     def __repr__(self) -> str:
@@ -186,9 +189,9 @@ class Compare(widgets.VBox):
         """Stop the computation and take the widget off the page."""
         if "_worker" in vars(self):
             self._worker.cancel()
-            for view in self.views:
-                view.close()
-        super().close()
+            row, _ = self.children
+            close_all(*self.views, *self._titles, self._table, *row.children, row)
+        close_all(self)
 
     def to_frame(self) -> pd.DataFrame:
         """`evaluate` of both against the truth, or of B against A without one."""

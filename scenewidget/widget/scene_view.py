@@ -30,6 +30,7 @@ from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.palette import colormap_table, palette
 from scenewidget.widget.bundle import bundled
 from scenewidget.widget.deprecation import keywords_after
+from scenewidget.widget.observing import FaultTolerant
 from scenewidget.widget.page import make_page
 from scenewidget.widget.segment_colors import SegmentColors
 from scenewidget.widget.upright import checked_up, up_vector
@@ -49,7 +50,7 @@ OF_THE_SESSION = (  # state that a saved page has no use for, and that tells of 
 )
 
 
-class SceneView(anywidget.AnyWidget):
+class SceneView(FaultTolerant, anywidget.AnyWidget):
     """Interactive picture of a mesh.
 
     Its state is synced with the browser both ways: set any of the traits below, or observe it.

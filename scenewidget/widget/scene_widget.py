@@ -6,6 +6,7 @@ script can do without it. The engine runs in one worker thread, so the notebook 
 
 from __future__ import annotations
 
+import difflib
 import os
 import secrets
 import threading
@@ -31,6 +32,8 @@ from scenewidget.widget.autosave import Autosave
 from scenewidget.widget.border_lines import border_lines
 from scenewidget.widget.controls import ParamsControls
 from scenewidget.widget.edit_commands import EditCommands
+from scenewidget.widget.lifetimes import belongs_to_its_cell, close_all
+from scenewidget.widget.observing import FaultTolerant
 from scenewidget.widget.previewer import Previewer, preview_params
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scores import Scorer, score_rows
@@ -38,6 +41,8 @@ from scenewidget.widget.suggestion_bar import SuggestionBar
 from scenewidget.widget.worker import Newest, Worker, checked_timeout
 
 __all__ = ["SceneWidget"]
+
+OWN = ("view", "controls", "pipeline")  # that are set once
 
 
 class _LiveSegmentation(traitlets.Instance):  # type: ignore[type-arg]  # older traitlets have none
@@ -48,7 +53,7 @@ class _LiveSegmentation(traitlets.Instance):  # type: ignore[type-arg]  # older 
         return super().get(obj, cls)
 
 
-class SceneWidget(widgets.VBox):
+class SceneWidget(FaultTolerant, widgets.VBox):
     """Segment a scan, look at it and correct it; it displays itself as the last value of a cell.
 
     The scan shows at once, the segments as soon as they are computed. ``params`` and ``segmentation`` are
@@ -174,6 +179,7 @@ class SceneWidget(widgets.VBox):
         self.view.observe(lambda _: self._border_runner.submit(self._draw_borders), "color_by")
         self.observe(self._take_params, "params")
         self.controls.observe(lambda change: self.set_trait("params", change["new"]), "params")
+        belongs_to_its_cell(self)
         self._compute()
 
     def __repr__(self) -> str:
@@ -200,8 +206,6 @@ class SceneWidget(widgets.VBox):
         TypeError
             The handler can't be called.
         """
-        if not callable(handler):
-            raise TypeError(f"handler must be callable as handler(change), got {handler!r:.200}")
         super().observe(handler, names, type)
         wanted = [names] if isinstance(names, str) or names is traitlets.All else names
         if traitlets.All in wanted or "segmentation" in wanted:
@@ -211,6 +215,29 @@ class SceneWidget(widgets.VBox):
     def mesh(self) -> Mesh:
         """The scan, as loaded."""
         return self.pipeline.mesh
+
+    @property
+    def height(self) -> int:
+        """Of the picture, in pixels; can be set."""
+        height: int = self.view.height
+        return height
+
+    @height.setter
+    def height(self, height: int) -> None:
+        self.view.height = height
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """As of any object; a name that belongs elsewhere is refused with the place where it belongs."""
+        if not name.startswith("_") and not hasattr(type(self), name) and name not in OWN:
+            hint = _place_to_set(name)
+            if hint:
+                raise AttributeError(f"a SceneWidget has no {name!r} to set; {hint}")
+        super().__setattr__(name, value)
+
+    def __getattr__(self, name: str) -> Any:
+        """Say where something is that isn't here."""
+        hint = "" if name.startswith("_") else _place_to_get(name)
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{hint}")
 
     def wait(self, timeout: float | None = 60.0) -> Segmentation:
         """Block until the computation has ended, for scripts and tests.
@@ -332,9 +359,9 @@ class SceneWidget(widgets.VBox):
         """Stop the computation and take the widget off the page."""
         if "_worker" in vars(self):  # not if __init__ refused its mesh
             self._worker.cancel()
-            self.view.close()
-            self.controls.close()  # ipywidgets keeps whatever isn't closed, and that holds the rest
-        super().close()
+            self._previewer.stop()
+            close_all(self.view, self.controls)  # ipywidgets keeps what isn't closed, and that holds the rest
+        close_all(self)
 
     def _take_params(self, change: dict[str, Any]) -> None:
         self.controls.params = change["new"]
@@ -482,3 +509,20 @@ class SceneWidget(widgets.VBox):
         self.controls.can_rerun = self._shown_params != self.params
         self.view.status, self.view.progress, self.view.busy = summary, 1.0, False
         self.set_trait("busy", False)
+
+
+def _place_to_set(name: str) -> str:
+    """What to write where somebody sets a name that a widget hasn't got; "" if nobody can tell."""
+    if name in Params.__dataclass_fields__:
+        return f"write w.params = w.params.replace({name}=…)"
+    if SceneView.class_traits().get(name) is not None:
+        return f"write w.view.{name} = …"
+    near = difflib.get_close_matches(name, ["params", "height", "view", "observe"], n=1, cutoff=0.75)
+    return f"did you mean {near[0]!r}?" if near else ""
+
+
+def _place_to_get(name: str) -> str:
+    for place, kind in (("segmentation", Segmentation), ("session", Session), ("view", SceneView)):
+        if name in dir(kind) or name in getattr(kind, "__dataclass_fields__", ()):
+            return f"; it is w.{place}.{name}"
+    return f"; it is w.params.{name}" if name in Params.__dataclass_fields__ else ""

@@ -304,6 +304,7 @@ def test_any_stage_can_be_asked_for():
         (lambda: segment("missing.ply"), FileNotFoundError, "does not exist"),
         (lambda: segment(([[0, 0, 0]], [[0, 0, 1]])), MeshError, "does not exist"),
         (lambda: segment(ROOM, progress=3), TypeError, "progress must be callable"),
+        (lambda: segment(ROOM, n_segments=3), TypeError, r"write segment\(mesh, Params\(n_segments=3\)\)"),
         (lambda: segment(ROOM, cancel=3), TypeError, "cancel must be a threading.Event"),
     ],
 )

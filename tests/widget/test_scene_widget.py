@@ -326,6 +326,21 @@ def test_bad_input_is_refused_at_once(mesh, params, error, message):
             "handler must be callable as handler.change., got 'me'",
         ),
         (lambda w: setattr(w, "segmentation", w.segmentation), traitlets.TraitError, "read-only"),
+        (
+            lambda w: setattr(w, "n_segments", 3),
+            AttributeError,
+            r"w.params = w.params.replace\(n_segments=…\)",
+        ),
+        (lambda w: setattr(w, "color_by", "scan"), AttributeError, r"write w.view.color_by = …"),
+        (lambda w: setattr(w, "parms", 3), AttributeError, "did you mean 'params'"),
+        (lambda w: w.merge(1, 2), AttributeError, "it is w.session.merge"),
+        (lambda w: w.labels, AttributeError, "it is w.segmentation.labels"),
+        (lambda w: w.nothing, AttributeError, "no attribute 'nothing'$"),
+        (
+            lambda w: setattr(w.params, "seed", 3),
+            AttributeError,
+            r"w.params = w.params.replace\(seed=…\)",
+        ),
         (lambda w: setattr(w, "params", {}), traitlets.TraitError, "expected a Params, not the dict"),
     ],
 )
@@ -334,6 +349,11 @@ def test_what_cannot_be_asked_of_a_widget_says_why(widget, call, error, message)
     with pytest.raises(error, match=message):
         call(widget)
     assert widget.wait(60) is before
+
+
+def test_its_height_can_be_asked_and_set(widget):
+    widget.height = 300
+    assert (widget.height, widget.view.height) == (300, 300)
 
 
 def test_what_is_closed_can_be_forgotten(mesh):

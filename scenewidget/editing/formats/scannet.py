@@ -3,7 +3,8 @@ which of them make up an object, and its label.
 
 As the annotation tools and the segmentator of https://github.com/ScanNet/ScanNet write them; Dai et al.
 (2017), *ScanNet*, CVPR. The small segments that we write are the pieces of base segments (thesis 3.4) that
-lie in one object. Objects without a name are called "unannotated".
+lie in one object. Objects without a name are called "unannotated". Each has its upright box, "obb": its
+middle, the lengths of its sides and, one after the other, the unit vectors along them.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from scenewidget.editing.formats.common import (
     vertices_from_faces,
 )
 from scenewidget.editing.formats.seal import SEAL, Contents, check_one_set
+from scenewidget.engine.boxes import oriented_boxes
 from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.segmentation import Segmentation
 
@@ -43,12 +45,18 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
     segments_of: dict[int, list[int]] = {}
     for number, vertex in enumerate(first.tolist()):
         segments_of.setdefault(int(objects[vertex]), []).append(number)
+    boxes = oriented_boxes(mesh, segmentation.labels, segmentation.n_segments)
     groups = [
         {
             "id": k,
             "objectId": k,
             "segments": segments_of[label],
             "label": segmentation.names[label] or UNNAMED,
+            "obb": {  # as ScanNet++ and 3RScan have it
+                "centroid": boxes.center[label].tolist(),
+                "axesLengths": boxes.size[label].tolist(),
+                "normalizedAxes": boxes.axes[label].ravel().tolist(),
+            },
         }
         for k, label in enumerate(sorted(label for label in segments_of if label >= 0))
     ]

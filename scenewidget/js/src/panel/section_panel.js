@@ -1,5 +1,6 @@
 /** The little panel in which the section box is moved: two ends on each of three sliders. */
 
+import { localNumber } from "../labels/description.js";
 import { isWhole, WHOLE } from "../scene/section.js";
 import { element, iconButton, textButton } from "./elements.js";
 
@@ -92,7 +93,7 @@ export function createSectionPanel(send, leave) {
         ends[0].style.zIndex = low > 0.5 ? "1" : "";
         kept.style.left = `${100 * low}%`;
         kept.style.right = `${100 * (1 - high)}%`;
-        const [from, to] = [low, high].map((t) => (t * lengths[axis]).toFixed(1));
+        const [from, to] = [low, high].map((t) => localNumber(t * lengths[axis], 1));
         text.textContent = `${from} – ${to} m`;
         for (const [i, end] of ends.entries()) end.setAttribute("aria-valuetext", `${[from, to][i]} m`);
       });

@@ -5,7 +5,7 @@
  * key, arrows go on from there. Rows are kept and changed in place, so an edit touches two of five hundred.
  */
 
-import { counted, segmentTitle } from "../labels/description.js";
+import { counted, localNumber, segmentTitle } from "../labels/description.js";
 import { NONE } from "../labels/partition.js";
 import { FIRST_DESCENDING, sorted } from "../labels/segment_rows.js";
 import { element, iconButton } from "./elements.js";
@@ -256,9 +256,9 @@ function makeRow(segment) {
       eye.setAttribute("aria-label", `Show ${name}`);
       eye.setAttribute("aria-pressed", row.hidden === "none" ? "true" : isHidden ? "false" : "mixed");
       eye.title = isHidden ? "Show (H)" : "Hide (H)";
-      faces.textContent = row.faces.toLocaleString("en");
-      area.textContent = row.area > 0 ? row.area.toFixed(2) : "";
-      confidence.textContent = row.confidence === null ? "" : row.confidence.toFixed(2);
+      faces.textContent = localNumber(row.faces);
+      area.textContent = row.area > 0 ? localNumber(row.area, 2) : "";
+      confidence.textContent = row.confidence === null ? "" : localNumber(row.confidence, 2);
     },
     /** @param {boolean} isTabbable */
     setTabbable(isTabbable) {
