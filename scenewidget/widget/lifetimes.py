@@ -180,9 +180,10 @@ def _forget_output(shell: Any, widget: Any) -> None:
     if isinstance(history, dict):
         for number in [number for number, value in history.items() if value is widget]:
             del history[number]
-    for name in [name for name, value in shell.user_ns.items() if value is widget]:
-        if _is_output(name) or name in OUTPUTS:
-            shell.user_ns[name] = ""
+    for names in (shell.user_ns, getattr(shell, "user_ns_hidden", {})):
+        for name in [name for name, value in names.items() if value is widget]:
+            if _is_output(name) or name in OUTPUTS:
+                names[name] = ""
     hook = getattr(shell, "displayhook", None)
     for name in OUTPUTS:
         if getattr(hook, name, None) is widget:

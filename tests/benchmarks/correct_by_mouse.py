@@ -1,6 +1,6 @@
 """How many actions of the mouse lead from the automatic result to 1 − RI ≤ 0.03? In a real JupyterLab.
 
-    python tests/benchmarks/correct_by_mouse.py [--scans bedroom bedroom_noisy] [--target 0.03]
+    python tests/benchmarks/correct_by_mouse.py [--scans bedroom real/kitchen_12mm] [--target 0.03]
 
 An annotator who knows the truth (as `scenewidget.editing.simulate_annotator`, one edit at a time) says what
 to do next; a real mouse in a real browser does it: drag-merge or click, click; right click to split;
@@ -54,8 +54,15 @@ def whole_parts(column, is_inside):
     inside = np.bincount(column[is_inside & (column >= 0)], minlength=column.max() + 1)
     return np.flatnonzero((inside > 0) & (inside == np.bincount(column[column >= 0]))).tolist()
 
-mesh = sw.load_mesh(%r)
-truth = np.load(%r).astype(np.int64)
+def read(name):
+    """A scan and its truth: a mesh with an array beside it, or an archive of both."""
+    if not name.endswith(".npz"):
+        return sw.load_mesh(name), np.load(name.replace(".ply", "_instances.npy")).astype(np.int64)
+    arrays = np.load(name)
+    mesh = sw.Mesh(arrays["vertices"], arrays["faces"], arrays["colors"])
+    return mesh, arrays["instances"].astype(np.int64)
+
+mesh, truth = read(%r)
 w = sw.SceneWidget(mesh, height=620)
 w.wait(600)
 w
@@ -170,10 +177,15 @@ class Hand:
         return True
 
 
+def path_of(name: str) -> Path:
+    """The file of a scan."""
+    archive = DATA / f"{name}.npz"
+    return archive if archive.exists() else DATA / f"{name}.ply"
+
+
 def correct(book: conftest.Notebook, name: str, target: float, most: int) -> None:
     """Open a scan and work until the target is reached."""
-    paths = [str(DATA / f"{name}{suffix}") for suffix in (".ply", "_instances.npy")]
-    book.open([KERNEL % tuple(paths)])
+    book.open([KERNEL % str(path_of(name))])
     book.run_all()
     hand = Hand(book)
     print(f"{name}: {book.evaluate('w')}", flush=True)
@@ -213,7 +225,7 @@ def main() -> None:
     parser.add_argument("--most", type=int, default=60, help="edits, at most")
     parser.add_argument("--picture", help="file to which a screenshot goes at the end")
     arguments = parser.parse_args()
-    scans = [name for name in arguments.scans if (DATA / f"{name}.ply").exists()]
+    scans = [name for name in arguments.scans if path_of(name).exists()]
     for name in set(arguments.scans) - set(scans):
         print(f"{name}: not there, left out")
     if not scans:

@@ -305,3 +305,30 @@ def test_strokes_are_kept_while_the_kernel_is_busy(editor):
         os.kill(kernel, signal.SIGCONT)
     editor.settled(editor.n + 2)
     assert editor.edits() == ["Paint", "Paint"]
+
+
+def test_a_lasso_draws_segments_and_a_distance_is_measured(editor):
+    (_, (x, y)), *_ = three(editor)
+    editor.root.focus()
+    editor.page.keyboard.press("q")
+    editor.view.wait("tool", "lasso")
+    square = lambda r: [(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)]  # noqa: E731  # corners
+    box = editor.root.locator("canvas").bounding_box()
+    first, *rest = square(24)
+    editor.press(first)
+    for to_x, to_y in rest:
+        editor.page.mouse.move(box["x"] + to_x, box["y"] + to_y, steps=3)
+    editor.view.wait("segments", str(editor.n + 1))  # shown while it is drawn
+    assert editor.edits() == []
+    editor.page.mouse.up()
+    editor.settled(editor.n + 1)
+    for place in (*square(10), square(10)[0]):
+        editor.click(place)
+    editor.settled(editor.n + 2)
+    assert editor.edits() == ["Paint", "Paint"]
+    editor.page.keyboard.press("d")
+    editor.view.wait("tool", "measure")
+    editor.click((x - 20, y))
+    editor.click((x + 20, y))
+    editor.root.get_by_text(re.compile(r"Distance \d+\.\d+ c?m")).wait_for()
+    assert re.fullmatch(r"\d+\.\d+ c?m", editor.root.locator(".sw-outline-label").inner_text())
