@@ -160,9 +160,12 @@ def growth(scan: Path, sizes: list[int]) -> None:
             [sys.executable, __file__, "--scan", str(scan), "--one", str(n_faces)],
             capture_output=True, text=True, check=True,
         )  # fmt: skip
-        n, wall, items, before, peak = map(float, done.stdout.split()[-5:])
+        n, wall, cpu, items, before, peak = map(float, done.stdout.split()[-6:])
         found.append((n, wall))
-        print(f"{int(n):9} faces {wall:7.2f} s, items {items:6.2f} s, {before:.1f} GB, then {peak:.1f} GB")
+        print(
+            f"{int(n):9} faces {wall:7.2f} s ({cpu:.1f} on all cores), items {items:.2f}, "
+            f"{before:.1f} GB, then {peak:.1f} GB"
+        )
         row(f"memory of {int(n)} faces", peak, 1.0 + 350e-9 * n, "GB")
     for (few, short), (many, long) in itertools.pairwise(found):
         row(f"{many / few:.1f} × the faces, × the time", long / short, 1.2 * many / few, "")
@@ -175,13 +178,13 @@ def growth(scan: Path, sizes: list[int]) -> None:
 
 
 def one(scan: Path, n_faces: int) -> None:
-    """The default on one size: faces, seconds, seconds of the items, GB before and at the peak."""
+    """The default on one size: faces, seconds, of the processor, of the items, GB before and at the peak."""
     mesh = in_size(read_scan(scan), n_faces)
     warm_up()
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-    wall, _, result = seconds(Pipeline(mesh).run)
+    wall, cpu, result = seconds(Pipeline(mesh).run)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-    print(mesh.n_faces, wall, result.timings["items"], before, peak)
+    print(mesh.n_faces, wall, cpu, result.timings["items"], before, peak)
 
 
 def items(scan: Path, counts: list[int]) -> None:
