@@ -2,7 +2,7 @@
 
     python -m scenewidget.calibrate [--rooms 28] [--first 100]
 
-Rooms of four kinds of scanners are segmented from coarse to fine. `engine.doubt.Models` is
+Rooms of four kinds of scanners are segmented as the default does. `engine.doubt.Models` is
 fitted to that by logistic regression, every weight kept to its limits, and printed as it stands in
 `engine.doubt.FITTED`. Real scans take no part: `tests/benchmarks/doubt.py` judges by them.
 """
@@ -18,15 +18,13 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from scenewidget.engine.doubt import FITTED, LIMITS, Doubt, Models, doubts
+from scenewidget.engine.doubt import FITTED, LIMITS, Doubt, Models, doubts, measure_gaps, run_kinds
 from scenewidget.engine.mesh import FloatArray, IntArray
-from scenewidget.engine.params import Params
-from scenewidget.engine.pieces import Pieces, make_pieces
-from scenewidget.engine.pipeline import Pipeline
+from scenewidget.engine.pieces import Pieces
+from scenewidget.engine.pipeline import segment
 
 __all__ = ["Example", "count_things", "fit", "fit_logistic", "simulated", "wrong_faces"]
 
-COARSE_TO_FINE = (0.35, 0.45, 0.6, 0.7, 0.8)  # similarities at which the consensus of a room is cut
 PULL = 1e-3  # towards weights of zero, in standard deviations
 
 
@@ -42,8 +40,6 @@ class Example:
         As of `doubts`.
     things : (n_pieces, n_things) float64
         Faces of each piece by the thing that they belong to.
-    is_usual : bool
-        Whether it is what the default makes of the scan; the others only say which segments are one thing.
 
     Examples
     --------
@@ -52,15 +48,14 @@ class Example:
     >>> from scenewidget.calibrate import Example, count_things
     >>> mesh, truth = sw.datasets.load_room()
     >>> pieces = truth.find_doubt().pieces
-    >>> Example(pieces, np.zeros((1, 3), int), {}, count_things(pieces, truth.labels)).is_usual
-    True
+    >>> Example(pieces, np.zeros((1, 3), int), {}, count_things(pieces, truth.labels)).things.sum()
+    297711.0
     """
 
     pieces: Pieces
     keys: IntArray
     runs: dict[str, int]
     things: FloatArray
-    is_usual: bool = True
 
 
 def count_things(pieces: Pieces, truth: IntArray) -> FloatArray:
@@ -120,7 +115,7 @@ def wrong_faces(pieces: Pieces, things: FloatArray) -> tuple[Any, Any]:
 
 
 def simulated(n_rooms: int, first: int = 100) -> Iterator[Example]:
-    """Examples of simulated rooms, from coarse to fine.
+    """Examples of simulated rooms, as the default segments them.
 
     Parameters
     ----------
@@ -150,19 +145,10 @@ def simulated(n_rooms: int, first: int = 100) -> Iterator[Example]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # not every room has a place for all that is asked for
             mesh, truth = simulate_room(**options)
-            pipe = Pipeline(mesh)
-            adjacency = pipe.get("adjacency")
-            for similarity in (None, *COARSE_TO_FINE):
-                params = (
-                    Params()
-                    if similarity is None
-                    else Params(n_segments="auto", linkage_similarity=similarity)
-                )
-                made = pipe.run(params)
-                assert made.keys is not None
-                pieces = make_pieces(mesh, made.labels, made.level("base"), adjacency)
-                things = count_things(pieces, truth.labels)
-                yield Example(pieces, made.keys, dict(made.report["runs"]), things, similarity is None)
+            made = segment(mesh)
+        assert made.keys is not None
+        pieces = made.find_doubt().pieces
+        yield Example(pieces, made.keys, dict(made.report["runs"]), count_things(pieces, truth.labels))
 
 
 def fit(examples: list[Example]) -> Models:
@@ -180,8 +166,9 @@ def fit(examples: list[Example]) -> Models:
     found = [(e, doubts(e.pieces, e.keys, e.runs)) for e in examples]
     same = fit_logistic(*_stacked([_borders(e, d) for e, d in found]), LIMITS["same"])
     two = fit_logistic(*_stacked([_cuts(e, d) for e, d in found]), LIMITS["two"])
-    models = FITTED._replace(same=same, two=two)
-    usual = [(e, doubts(e.pieces, e.keys, e.runs, models=models)) for e in examples if e.is_usual]
+    apart = fit_logistic(*_stacked([_gaps(e) for e in examples]), LIMITS["apart"])
+    models = FITTED._replace(same=same, two=two, apart=apart)
+    usual = [(e, doubts(e.pieces, e.keys, e.runs, models=models)) for e in examples]
     rest = fit_logistic(*_stacked([_faces(e, d, "rest") for e, d in usual]), LIMITS["rest"])
     foreign = fit_logistic(*_stacked([_faces(e, d, "foreign") for e, d in usual]), LIMITS["foreign"])
     return models._replace(rest=rest, foreign=foreign)
@@ -251,19 +238,29 @@ def _borders(e: Example, d: Doubt) -> Rows:
     return _even(borders.measures[keep], same[keep])
 
 
+def _gaps(e: Example) -> Rows:
+    """Whether segments in one plane that don't touch are mostly of one thing; large ones count more."""
+    table, gaps = _table(e), measure_gaps(e.pieces, run_kinds(e.keys, e.runs)[0])
+    size = table.sum(axis=1)
+    mass = size[gaps.first] * size[gaps.second]
+    mostly = table.argmax(axis=1)
+    same = mostly[gaps.first] == mostly[gaps.second]
+    return _weighted(gaps.measures[mass > 0], same[mass > 0], mass[mass > 0])
+
+
 def _cuts(e: Example, d: Doubt) -> Rows:
-    """Whether the sides of a cut are mostly of two things; each segment counts alike."""
-    rows = [_even(np.empty((0, len(LIMITS["two"]))), np.empty(0))]
+    """Whether it is better to cut than not; large cuts count more."""
+    rows: list[Rows] = [(np.empty((0, len(LIMITS["two"]))), np.empty(0), np.empty(0))]
     for cuts in d.cuts:
         if cuts is None or not cuts.n:
             continue
-        whole = e.things[cuts.order].sum(axis=0)
         small = np.array([e.things[cuts.side(c)].sum(axis=0) for c in range(cuts.n)])
-        large = whole - small
-        keep = (small.sum(axis=1) > 0) & (large.sum(axis=1) > 0)
-        two = small.argmax(axis=1) != large.argmax(axis=1)
-        rows.append(_even(cuts.measures[keep], two[keep]))
-    return _stacked(rows)
+        large = e.things[cuts.order].sum(axis=0) - small
+        mass = small.sum(axis=1) * large.sum(axis=1)
+        two = 2 * (small * large).sum(axis=1) < mass
+        rows.append((cuts.measures[mass > 0], two[mass > 0].astype(float), mass[mass > 0]))
+    measures, two, mass = _stacked(rows)
+    return _weighted(measures, two, mass)
 
 
 def _faces(e: Example, d: Doubt, kind: str) -> Rows:
@@ -276,6 +273,11 @@ def _faces(e: Example, d: Doubt, kind: str) -> Rows:
     rows, columns = np.nonzero(weights)
     weights = weights[rows, columns]
     return measures[rows], outcome[rows, columns].astype(float), weights / max(float(weights.sum()), 1.0)
+
+
+def _weighted(measures: FloatArray, outcome: Any, mass: FloatArray) -> Rows:
+    weights = np.sqrt(mass)
+    return measures, outcome.astype(float), weights / max(float(weights.sum()), 1e-300)
 
 
 def _even(measures: FloatArray, outcome: Any) -> Rows:

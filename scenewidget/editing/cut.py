@@ -19,6 +19,7 @@ from scenewidget.engine.mesh import (
     Mesh,
     connected_components,
     face_adjacency,
+    shared_edge_lengths,
 )
 from scenewidget.engine.preprocess import filter_normals
 from scenewidget.engine.threads import n_threads
@@ -152,14 +153,7 @@ def _edges(sub: Mesh, pairs: IntArray, normals: FloatArray) -> tuple[FloatArray,
     turn = np.maximum(1.0 - np.einsum("ij,ij->i", normals[i], normals[j]), 0.0).astype(np.float64)
     apart = sub.face_centroids[j] - sub.face_centroids[i]
     is_convex = np.einsum("ij,ij->i", apart, normals[j] - normals[i]) > 0
-    corner = sub.vertices[sub.faces]
-    shared = (corner[i][:, :, None, :] == corner[j][:, None, :, :]).all(axis=3).any(axis=2)
-    lengths = np.zeros(len(pairs))
-    for k in range(3):
-        side = shared[:, k] & shared[:, (k + 1) % 3]
-        edge = corner[i[side], k] - corner[i[side], (k + 1) % 3]
-        lengths[side] = np.linalg.norm(edge, axis=1)
-    return lengths, np.where(is_convex, CONVEX, 1.0) * turn
+    return shared_edge_lengths(sub, pairs), np.where(is_convex, CONVEX, 1.0) * turn
 
 
 def _min_cut(n: int, pairs: IntArray, capacity: IntArray) -> BoolArray:

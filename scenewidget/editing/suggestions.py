@@ -8,7 +8,7 @@ What is doubtful says `engine.doubt`; every decision makes its like, in this sca
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -16,7 +16,16 @@ import numpy as np
 
 from scenewidget.editing.edits import Edit, Merge, Split
 from scenewidget.editing.partition import Partition
-from scenewidget.engine.doubt import FITTED, Cuts, Doubt, doubts, logistic
+from scenewidget.engine.doubt import (
+    FITTED,
+    Cuts,
+    Doubt,
+    doubts,
+    logistic,
+    measure_borders,
+    measure_gaps,
+    run_kinds,
+)
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.engine.pieces import Pieces
 from scenewidget.engine.segmentation import Level, Segmentation
@@ -24,15 +33,19 @@ from scenewidget.engine.segmentation import Level, Segmentation
 __all__ = ["Advisor", "Dismissal", "Suggestion"]
 
 SMALLEST = 2e-4  # share of the faces below which a part is not worth a question
-SURE = 0.4  # least probability of what is suggested first
-PROBABLE = 0.15  # least probability of what comes once there is nothing of that kind any more
+SURE = 0.5  # least probability of what is suggested first
+PROBABLE = 0.1  # least probability of the one that comes where there is nothing of that kind
+JOINS = 0.5  # least probability that what is cut off belongs to a neighbour for that to be suggested
 N_SAMPLES = 32  # faces by which a segment is known again
+MOST_CUTS = 12  # of one segment that are looked at
 MOST_PARTS = 1_000  # of a side that is named part by part
 STRENGTH = 1.5  # what a decision adds at most to the log-odds of its like, per unit of surprise
 LIKE = 1.0  # how far a decision reaches, in standard deviations of the measures
-WORTH = 2e-4  # gain below which there is nothing more to look at
+WORTH = 1e-4  # gain below which there is nothing more to look at
 
 SuggestionKey = tuple[str, frozenset[int], int]
+Model = Literal["same", "two", "apart", ""]
+NOTHING = np.empty(0, np.int64)
 
 
 @dataclass(frozen=True)
@@ -105,8 +118,10 @@ class Dismissal:
         Faces spread over each segment in question.
     sizes : tuple of float
         Number of faces of each.
+    model : "same" | "two" | "apart" | ""
+        Which of `engine.doubt.Models` spoke for it; none where two did, and either may have been wrong.
     measures : (n,) float64
-        What the models knew of it.
+        What that model weighed.
 
     Examples
     --------
@@ -123,10 +138,11 @@ class Dismissal:
     part: int
     samples: tuple[IntArray, ...]
     sizes: tuple[float, ...]
+    model: Model
     measures: FloatArray
 
     @classmethod
-    def of(cls, partition: Partition, suggestion: Suggestion, measures: FloatArray) -> Dismissal:
+    def of(cls, partition: Partition, suggestion: Suggestion) -> Dismissal:
         """What there is to remember of a suggestion for the segments as they are now."""
         atoms = partition.atoms
         part = -1
@@ -141,7 +157,7 @@ class Dismissal:
             places = (np.arange(N_SAMPLES) + 0.5) / N_SAMPLES * end[-1]
             samples.append(atoms.first_face[inside[np.searchsorted(end, places)]])
             sizes.append(float(end[-1]))
-        return cls(suggestion.kind, part, tuple(samples), tuple(sizes), measures)
+        return cls(suggestion.kind, part, tuple(samples), tuple(sizes), "", np.empty(0))
 
     def key(self, partition: Partition, sizes: FloatArray) -> SuggestionKey | None:
         """Which suggestion is rejected now; None where a segment in question is no longer what it was.
@@ -174,8 +190,9 @@ class _Found:
     home: int
     onto: int  # −1: a segment of its own
     side: IntArray  # pieces that move; none: the whole segment
+    model: Model
     measures: FloatArray
-    border: int  # row of the borders that speaks for it; −1 for none
+    why: str
 
 
 @dataclass(eq=False)
@@ -203,13 +220,15 @@ class Advisor:
     def __post_init__(self) -> None:
         self.start: Doubt = self.automatic.find_doubt()
         self.pieces: Pieces = self.start.pieces
+        self.graph_keys, self.medoid_keys = run_kinds(self.automatic.keys, self.automatic.report.get("runs"))
+        self.gaps = measure_gaps(self.pieces, self.graph_keys)
 
     def suggest(self, partition: Partition, n: int, dismissed: Sequence[Dismissal]) -> list[Suggestion]:
         """At most n suggestions, the largest expected gain first.
 
         Nothing that a person decided is put in question: what was taken apart or named differently is not to
         be merged, what was merged is not to be taken apart, and what is in ``dismissed`` is not repeated.
-        What is probably wrong comes only after all that may well be right.
+        What is probably wrong comes only after all that is probably right and worth a look, and one by one.
 
         Parameters
         ----------
@@ -218,29 +237,23 @@ class Advisor:
         n : int
         dismissed : sequence of Dismissal
         """
-        now = self._look(partition, dismissed)
-        sizes = np.bincount(partition.segment + 1, partition.atom_faces).astype(np.float64)
-        rejected = {dismissal.key(partition, sizes) for dismissal in dismissed}
-        found = [f for f in (*now.merges(), *now.divisions()) if f.p >= PROBABLE and f.key not in rejected]
-        found = [f for f in found if f.p >= SURE] or found
-        found.sort(key=lambda f: -f.gain)
-        return [now.in_words(f) for f in found[:n]]
+        now = _Look(self, partition, dismissed)
+        found = sorted((f for f in now.found() if f.p >= PROBABLE), key=lambda f: -f.gain)
+        sure = [f for f in found if f.p >= SURE and f.gain >= WORTH]
+        chance = sorted(found, key=lambda f: -f.gain * f.p)[:1]  # small probabilities are the least sure
+        return [now.in_words(f) for f in (sure or chance)[:n]]
 
     def remember(
         self, partition: Partition, suggestion: Suggestion, dismissed: Sequence[Dismissal]
     ) -> Dismissal:
         """What to keep of a suggestion that is rejected."""
-        now = self._look(partition, dismissed)
-        wanted = Dismissal.of(partition, suggestion, np.empty(0))
-        sizes = np.bincount(partition.segment + 1, partition.atom_faces).astype(np.float64)
-        key = wanted.key(partition, sizes)
-        for found in (*now.merges(), *now.divisions()):
+        now = _Look(self, partition, dismissed)
+        wanted = Dismissal.of(partition, suggestion)
+        key = wanted.key(partition, now.id_faces)
+        for found in now.found():
             if found.key == key:
-                return dataclasses.replace(wanted, measures=found.measures)
+                return dataclasses.replace(wanted, model=found.model, measures=found.measures)
         return wanted
-
-    def _look(self, partition: Partition, dismissed: Sequence[Dismissal]) -> _Look:
-        return _Look(self, partition, dismissed)
 
 
 class _Look:
@@ -271,7 +284,11 @@ class _Look:
             n_segments=len(self.ids),
             known=advisor._known,
         )
-        self.size = np.bincount(dense, pieces.n_faces, len(self.ids)) / max(float(pieces.n_faces.sum()), 1.0)
+        self.n_faces = max(float(pieces.n_faces.sum()), 1.0)
+        self.size = np.bincount(dense, pieces.n_faces, len(self.ids)) / self.n_faces
+        self.id_faces = np.bincount(partition.segment + 1, partition.atom_faces).astype(np.float64)
+        self._rejected = {dismissal.key(partition, self.id_faces) for dismissal in dismissed}
+        self._apart = self._kept_apart()
         self._learn(dismissed)
 
     def _learn(self, dismissed: Sequence[Dismissal]) -> None:
@@ -281,66 +298,126 @@ class _Look:
         table = np.zeros((len(before.two), len(self.ids)))
         np.add.at(table, (before.pieces.segment, now.pieces.segment), before.pieces.n_faces)
         home = table.argmax(axis=1)
-        rows: dict[str, list[tuple[FloatArray, float]]] = {"merge": [], "split": []}
+        rows: dict[str, list[tuple[FloatArray, float]]] = {"same": [], "two": [], "apart": []}
         b = before.borders
         for k in np.flatnonzero(home[b.first] == home[b.second]):
-            rows["merge"].append((b.measures[k], 1.0))
-        apart = self._kept_apart()
+            rows["same"].append((b.measures[k], 1.0))
         b = now.borders
-        for k in np.flatnonzero(apart[b.first, b.second]):
-            rows["merge"].append((b.measures[k], 0.0))
+        for k in np.flatnonzero(self._apart[b.first, b.second]):
+            rows["same"].append((b.measures[k], 0.0))
         for s in np.flatnonzero((table > 0).sum(axis=1) > 1):
             cuts = before.cuts[s]
             side = before.side(int(s))
             if cuts is not None and len(side):
                 is_away = now.pieces.segment[side] != home[s]
                 if is_away.mean() > 0.5:
-                    rows["split"].append((cuts.measures[int(before.best[s])], 1.0))
+                    rows["two"].append((cuts.measures[int(before.best[s])], 1.0))
         for dismissal in dismissed:
-            if len(dismissal.measures) == len(FITTED.same) - 1 and dismissal.kind == "merge":
-                rows["merge"].append((dismissal.measures, 0.0))
-            elif len(dismissal.measures) == len(FITTED.two) - 1:
-                rows["split"].append((dismissal.measures, 0.0))
-        spread = [before.borders.measures] + [c.measures for c in before.cuts if c is not None]
-        self._lessons = {
-            "merge": _Lessons.of(rows["merge"], FITTED.same, spread[0]),
-            "split": _Lessons.of(rows["split"], FITTED.two, np.concatenate([np.empty((0, 3)), *spread[1:]])),
+            if dismissal.model:
+                rows[dismissal.model].append((dismissal.measures, 0.0))
+        cut = [cuts.measures for cuts in before.cuts if cuts is not None]
+        spread = {
+            "same": before.borders.measures,
+            "two": np.concatenate([np.empty((0, len(FITTED.two) - 1)), *cut]),
+            "apart": self.advisor.gaps.measures,
         }
+        self._lessons = {
+            model: _Lessons.of(rows[model], getattr(FITTED, model), spread[model]) for model in rows
+        }
+
+    def found(self) -> list[_Found]:
+        """All that could be suggested and wasn't rejected."""
+        return [f for f in (*self.merges(), *self.gaps(), *self.divisions()) if f.key not in self._rejected]
 
     def merges(self) -> list[_Found]:
         """Whole segments onto larger ones that they touch."""
         borders = self.doubt.borders
-        p = self._lessons["merge"].probability(borders.measures)
-        gain = 2 * self.size[borders.first] * self.size[borders.second] * p
-        small = np.minimum(self.size[borders.first], self.size[borders.second]) < SMALLEST
-        gain[self._kept_apart()[borders.first, borders.second] | small] = 0.0
+        p = self._lessons["same"].probability(borders.measures)
+        ends = borders.first, borders.second
+        return self._joined("same", *ends, p, borders.measures, self._why_same)
+
+    def gaps(self) -> list[_Found]:
+        """Whole segments onto larger ones in the same plane, from which something else parts them."""
+        gaps = measure_gaps(self.pieces, self.advisor.graph_keys)
+        p = self._lessons["apart"].probability(gaps.measures)
+
+        def why(k: int) -> str:
+            words = [f"{_length(float(gaps.gap[k]))} apart", self._off_plane(float(gaps.offset[k]))]
+            return ", ".join([*words, f"together in {gaps.agreement[k]:.0%} of the runs"])
+
+        return self._joined("apart", gaps.first, gaps.second, p, gaps.measures, why)
+
+    def _joined(
+        self,
+        model: Model,
+        first: IntArray,
+        second: IntArray,
+        p: FloatArray,
+        measures: FloatArray,
+        why: Callable[[int], str],
+    ) -> list[_Found]:
+        gain = 2 * self.size[first] * self.size[second] * p
+        gain[self._apart[first, second] | (np.minimum(self.size[first], self.size[second]) < SMALLEST)] = 0.0
         out = []
         for k in np.flatnonzero(gain > 0).tolist():
-            a, b = int(borders.first[k]), int(borders.second[k])
+            a, b = int(first[k]), int(second[k])
             onto, home = (a, b) if self.size[a] >= self.size[b] else (b, a)
             key = ("merge", frozenset((int(self.ids[a]), int(self.ids[b]))), -1)
-            nothing = np.empty(0, np.int64)
-            out.append(_Found(float(gain[k]), float(p[k]), key, home, onto, nothing, borders.measures[k], k))
+            out.append(
+                _Found(float(gain[k]), float(p[k]), key, home, onto, NOTHING, model, measures[k], why(k))
+            )
         return out
 
     def divisions(self) -> list[_Found]:
         """Sides of cuts that become segments of their own, or join another one that they touch."""
-        out = []
+        splits = []
         for s, cuts in enumerate(self.doubt.cuts):
             if cuts is None or not cuts.n or self.size[s] < SMALLEST:
                 continue
-            p = self._lessons["split"].probability(cuts.measures)
-            share = self._faces_of_sides(cuts) / max(float(self.pieces.n_faces.sum()), 1.0)
+            p = self._lessons["two"].probability(cuts.measures)
+            share = self._faces_of_sides(cuts) / self.n_faces
             gain = 2 * share * (self.size[s] - share) * p
-            gain[share < SMALLEST] = 0.0
-            for k in np.argsort(-gain, kind="stable")[:3].tolist():
+            gain[(share < SMALLEST) | (p < PROBABLE)] = 0.0
+            for k in np.argsort(-gain * p, kind="stable")[:MOST_CUTS].tolist():
                 side = cuts.side(k)
                 if gain[k] > 0 and len(side) <= MOST_PARTS and self._may_divide(s, side):
                     side = side[np.argsort(-self.pieces.n_faces[side], kind="stable")]
                     key = ("split", frozenset((int(self.ids[s]),)), int(self.pieces.base[side[0]]))
-                    out.append(_Found(float(gain[k]), float(p[k]), key, s, -1, side, cuts.measures[k], -1))
-                    break
-        return out
+                    if key not in self._rejected:
+                        why = self._why_two(cuts, k)
+                        found = _Found(
+                            float(gain[k]), float(p[k]), key, s, -1, side, "two", cuts.measures[k], why
+                        )
+                        splits.append(found)
+                        break
+        return splits + self._moves(splits)
+
+    def _moves(self, splits: list[_Found]) -> list[_Found]:
+        """The same cuts where what comes off probably belongs to a neighbour."""
+        n = len(self.ids)
+        segment = self.pieces.segment.copy()
+        for i, split in enumerate(splits):
+            segment[split.side] = n + i
+        borders = measure_borders(
+            dataclasses.replace(self.pieces, segment=segment),
+            self.advisor.graph_keys,
+            self.advisor.medoid_keys,
+        )
+        p = self._lessons["same"].probability(borders.measures)
+        out: dict[int, _Found] = {}
+        for k in np.flatnonzero((borders.second >= n) & (borders.first < n) & (p >= JOINS)).tolist():
+            i, onto = int(borders.second[k]) - n, int(borders.first[k])
+            split = splits[i]
+            if onto == split.home or self._apart[onto, split.home]:
+                continue
+            share = float(self.pieces.n_faces[split.side].sum()) / self.n_faces
+            both = split.p * float(p[k])
+            gain = 2 * share * (self.size[split.home] - share + self.size[onto]) * both
+            key = ("merge", frozenset((int(self.ids[split.home]), int(self.ids[onto]))), split.key[2])
+            why = f"{split.why}; {_length(float(borders.length[k]))} along the other, {p[k]:.0%} one thing"
+            if i not in out or gain > out[i].gain:
+                out[i] = _Found(gain, both, key, split.home, onto, split.side, "", split.measures, why)
+        return list(out.values())
 
     def _faces_of_sides(self, cuts: Cuts) -> FloatArray:
         """(n,) faces on the smaller side of each cut."""
@@ -391,22 +468,22 @@ class _Look:
             found.gain,
             found.p,
             f"{title} ({found.p:.0%})",
-            self._why(found),
+            found.why,
         )
 
-    def _why(self, found: _Found) -> str:
-        if found.border >= 0:
-            b = self.doubt.borders
-            offset, k = float(b.offset[found.border]), found.border
-            together = 0.5 * (b.by_graph[k] + b.by_medoids[k])
-            words = [f"border {_length(float(b.length[k]))}"]
-            words.append("same plane" if offset < 0.02 * b.scale else f"{_length(offset)} off its plane")
-            words.append("bulging" if b.convex[k] > 0.6 else "folded in" if b.convex[k] < 0.3 else "even")
-            words.append(f"together in {together:.0%} of the runs")
-            return ", ".join(words)
-        offset = (np.exp(found.measures[1]) - 0.003) * self.pieces.scale
-        together = f"with the rest in {found.measures[0]:.0%} of the runs"
-        return f"{_length(float(offset))} off its plane, {together}"
+    def _why_same(self, k: int) -> str:
+        b = self.doubt.borders
+        together = 0.5 * (b.by_graph[k] + b.by_medoids[k])
+        words = [f"border {_length(float(b.length[k]))}", self._off_plane(float(b.offset[k]))]
+        words.append("bulging" if b.convex[k] > 0.6 else "folded in" if b.convex[k] < 0.3 else "even")
+        return ", ".join([*words, f"together in {together:.0%} of the runs"])
+
+    def _why_two(self, cuts: Cuts, k: int) -> str:
+        together = f"with the rest in {cuts.agreement[k]:.0%} of the runs"
+        return f"{self._off_plane(float(cuts.offset[k]))}, {together}"
+
+    def _off_plane(self, offset: float) -> str:
+        return "same plane" if offset < 0.02 * self.pieces.scale else f"{_length(offset)} off its plane"
 
     def _face(self, segment: int) -> int:
         inside = np.flatnonzero(self.partition.segment == self.ids[segment])

@@ -29,17 +29,22 @@ __all__ = [
     "Borders",
     "Cuts",
     "Doubt",
+    "Gaps",
     "Models",
     "doubts",
     "logistic",
     "measure_borders",
     "measure_cuts",
+    "measure_gaps",
     "run_kinds",
 ]
 
 SMALLEST = 2e-4  # share of the scene below which the side of a cut is not worth a question
 FAINT = 0.003  # times the scale: distances from a plane below this are noise
+ABOUT = 0.03  # times the scale: that much apart, planes of things that don't touch are as good as one
 NO_ENSEMBLE = 0.3  # agreement that is assumed of segments that no ensemble made: that of the usual neighbours
+ONE_WAY = 0.8  # least cosine between the normals of what may go on behind something
+ONE_PLANE = 0.2  # times the scale: most distance from the plane of the other
 ALMOST = 0.999  # no single reason makes anything surer than this
 
 
@@ -52,6 +57,8 @@ class Models(NamedTuple):
         That two segments are one thing.
     two : (1 + 3,) of `Cuts.measures`
         That the two sides of a cut are two things.
+    apart : (1 + 4,) of `Gaps.measures`
+        That two segments that don't touch are one thing.
     rest : (1 + 2,)
         That a face's thing is mostly elsewhere: of log(.05 − Σ log(1 − P_same)) over the larger segments that
         touch its own, and the logarithm of the share that its segment has of the scene.
@@ -62,11 +69,12 @@ class Models(NamedTuple):
     Examples
     --------
     >>> [len(weights) for weights in FITTED]
-    [7, 4, 3, 3]
+    [7, 4, 5, 3, 3]
     """
 
     same: tuple[float, ...]
     two: tuple[float, ...]
+    apart: tuple[float, ...]
     rest: tuple[float, ...]
     foreign: tuple[float, ...]
 
@@ -77,15 +85,17 @@ RISING, FALLING, WHOLE = (0.0, np.inf), (-np.inf, 0.0), (1.0, 1.0)
 LIMITS = {
     "same": (RISING, RISING, FALLING, RISING, FALLING, FALLING),
     "two": (FALLING, RISING, FALLING),
+    "apart": (RISING, FALLING, FALLING, FALLING),
     "rest": (WHOLE, FALLING),
     "foreign": (WHOLE, RISING),
 }
 
 FITTED = Models(
     same=(-3.001, 1.777, 1.215, -0.538, 0.306, -0.396, -0.902),
-    two=(0.740, -2.579, 0.218, -0.337),
-    rest=(-4.889, 1.0, -1.054),
-    foreign=(0.692, 1.0, 0.396),
+    two=(1.195, -2.434, 0.741, -0.432),
+    apart=(-7.220, 1.345, -2.060, -0.733, -0.327),
+    rest=(-5.387, 1.0, -1.081),
+    foreign=(-0.275, 1.0, 0.086),
 )
 
 
@@ -209,12 +219,12 @@ class Cuts:
 
     @property
     def measures(self) -> FloatArray:
-        """(n, 3) what `Models.two` weighs."""
+        """(n, 3) what `Models.two` weighs, lengths over the scale."""
         return np.stack(
             [
                 self.agreement,
                 np.log(self.offset / self.scale + FAINT),
-                np.log(self.seam / np.sqrt(np.maximum(self.area, 1e-12)) + 0.01),
+                np.log(self.area / self.scale**2 + 1e-4),
             ],
             axis=1,
         )
@@ -225,6 +235,61 @@ class Cuts:
         if self.is_inside[cut]:
             return inside
         return np.concatenate([self.order[: self.start[cut]], self.order[self.stop[cut] :]])
+
+
+@dataclass(frozen=True, eq=False)
+class Gaps:
+    """Pairs of segments that don't touch, but lie in one plane and face one way: a wall behind a cupboard.
+
+    Attributes
+    ----------
+    first, second : (n,) int64
+        Segments, the smaller number first; in lexicographic order.
+    agreement : (n,) float64
+        Mean co-association of the two over the graph runs.
+    offset : (n,) float64
+        Root mean square distance of either from the plane of the other, the larger of the two, metres.
+    gap : (n,) float64
+        Metres between them, to about the size of a piece.
+    size : (n,) float64
+        Area of the smaller, m².
+    scale : float
+        Of the scene.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.doubt import measure_gaps
+    >>> from scenewidget.engine.pieces import make_pieces
+    >>> mesh = square(9, size=3.0)
+    >>> thirds = np.floor(mesh.face_centroids[:, 0]).astype(np.int32)
+    >>> thirds[thirds == 1] = -1  # nothing is known of the middle
+    >>> gaps = measure_gaps(make_pieces(mesh, thirds // 2, thirds // 2), None)
+    >>> gaps.first.tolist(), gaps.second.tolist(), gaps.offset.round(6).tolist()
+    ([0], [1], [0.0])
+    """
+
+    first: IntArray
+    second: IntArray
+    agreement: FloatArray
+    offset: FloatArray
+    gap: FloatArray
+    size: FloatArray
+    scale: float
+
+    @property
+    def measures(self) -> FloatArray:
+        """(n, 4) what `Models.apart` weighs, lengths over the scale."""
+        return np.stack(
+            [
+                self.agreement,
+                np.log(self.offset / self.scale + ABOUT),
+                np.log(self.gap / self.scale + 0.02),
+                np.log(self.size / self.scale**2 + 1e-4),
+            ],
+            axis=1,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -469,6 +534,82 @@ def measure_borders(pieces: Pieces, by_graph: IntArray | None, by_medoids: IntAr
         segments.area[smaller],
         pieces.scale,
     )
+
+
+def measure_gaps(pieces: Pieces, by_graph: IntArray | None) -> Gaps:
+    """What can be measured of pairs of segments that don't touch, but may go on behind something.
+
+    Parameters
+    ----------
+    pieces : Pieces
+    by_graph : (n_base, n_runs) int or None
+        Keys of the graph runs.
+
+    Returns
+    -------
+    Gaps
+        Of pairs in about one plane, facing about one way, neither of them too small for a question. Where a
+        third in that plane touches both, its borders decide.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.doubt import measure_gaps
+    >>> from scenewidget.engine.pieces import make_pieces
+    >>> mesh = square(9, size=3.0)
+    >>> thirds = np.floor(mesh.face_centroids[:, 0]).astype(np.int32)
+    >>> thirds[thirds == 1] = -1  # nothing is known of the middle
+    >>> bool(measure_gaps(make_pieces(mesh, thirds // 2, thirds // 2), None).gap[0] > 0.5)
+    True
+    """
+    n = int(pieces.segment.max(initial=-1)) + 1
+    segments = pieces.moments.gather(pieces.segment, n)
+    plane = segments.principal()[1][:, :, 0]
+    facing = np.stack([np.bincount(pieces.segment, v, n) for v in pieces.vectors.T], axis=1)
+    facing = facing / np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-300)
+    may = np.triu(facing @ facing.T > ONE_WAY, 1)
+    is_small = segments.area < SMALLEST * max(float(segments.area.sum()), 1e-300)
+    may[is_small] = may[:, is_small] = False
+    first, second = np.nonzero(may)
+    offset = np.maximum(
+        _offset(_taken(segments, second), segments.centroid[first], plane[first]),
+        _offset(_taken(segments, first), segments.centroid[second], plane[second]),
+    )
+    keep = offset < ONE_PLANE * pieces.scale
+    first, second, offset = first[keep], second[keep], offset[keep]
+    touches = np.zeros((n, n), dtype=bool)
+    home = pieces.segment[pieces.pairs]
+    touches[home[:, 0], home[:, 1]] = touches[home[:, 1], home[:, 0]] = True
+    goes_on = np.zeros((n, n))  # to a segment that it touches, in the same plane
+    goes_on[first, second] = goes_on[second, first] = touches[first, second]
+    keep = ~touches[first, second] & ((goes_on @ goes_on)[first, second] == 0)
+    first, second, offset = first[keep], second[keep], offset[keep]
+    order = np.argsort(pieces.segment, kind="stable")
+    ends = np.searchsorted(pieces.segment[order], np.arange(n + 1))
+    members = [order[ends[s] : ends[s + 1]] for s in range(n)]
+    gaps = [_gap(pieces, members[a], members[b]) for a, b in zip(first.tolist(), second.tolist())]
+    return Gaps(
+        first,
+        second,
+        _agreement(pieces, by_graph, n)[first, second],
+        offset,
+        np.array(gaps, dtype=np.float64),
+        np.minimum(segments.area[first], segments.area[second]),
+        pieces.scale,
+    )
+
+
+def _gap(pieces: Pieces, one: IntArray, other: IntArray) -> float:
+    """Metres between two groups of pieces, taken as discs."""
+    center, radius = pieces.moments.centroid, np.sqrt(pieces.moments.area / np.pi)
+    if len(one) > len(other):
+        one, other = other, one
+    found = np.inf
+    for p in one.tolist():
+        apart = np.linalg.norm(center[other] - center[p], axis=1) - radius[other] - radius[p]
+        found = min(found, float(apart.min()))
+    return max(found, 0.0)
 
 
 def _agreement(pieces: Pieces, keys: IntArray | None, n: int) -> FloatArray:

@@ -25,6 +25,7 @@ __all__ = [
     "MeshError",
     "connected_components",
     "face_adjacency",
+    "shared_edge_lengths",
 ]
 
 FloatArray = npt.NDArray[np.floating[Any]]
@@ -326,6 +327,33 @@ def _shared_edges(mesh: Mesh) -> IntArray:
     code = np.sort(pairs[:, 0].astype(np.int64) * n + pairs[:, 1])
     code = code[np.concatenate([[True], code[1:] != code[:-1]])] if len(code) else code
     return np.stack([code // n, code % n], axis=1).astype(np.int32)
+
+
+def shared_edge_lengths(mesh: Mesh, face_pairs: IntArray) -> FloatArray:
+    """(n_pairs,) length of the edge that two faces share, 0 where they share none.
+
+    Corners are one where their coordinates are, so it doesn't matter whether the mesh is welded. Of two
+    faces that share all three corners, one of the edges is measured.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    face_pairs : (n_pairs, 2) int
+
+    Examples
+    --------
+    >>> from scenewidget.datasets.analytic import square
+    >>> mesh = square(1)
+    >>> shared_edge_lengths(mesh, face_adjacency(mesh)).round(3)
+    array([1.414])
+    """
+    one, other = (mesh.vertices[mesh.faces[side]] for side in face_pairs.T)
+    shared = (one[:, :, None] == other[:, None]).all(axis=3).any(axis=2)
+    out = np.zeros(len(face_pairs))
+    for k in range(3):
+        side = shared[:, k] & shared[:, (k + 1) % 3]
+        out[side] = np.linalg.norm(one[side, k] - one[side, (k + 1) % 3], axis=1)
+    return out
 
 
 def weld(mesh: Mesh) -> IntArray:

@@ -12,7 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenewidget.engine.items import find_bridges
-from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, face_adjacency, unique_codes
+from scenewidget.engine.mesh import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Mesh,
+    face_adjacency,
+    shared_edge_lengths,
+    unique_codes,
+)
 from scenewidget.engine.moments import Moments, group_moments
 from scenewidget.engine.scale import scene_scale
 
@@ -192,7 +200,7 @@ def _seams(
     bridges = bridges[_crosses(piece, bridges)]
     # a bridge stands for a side of an equilateral triangle of the area of the smaller face
     across = 1.52 * np.sqrt(np.minimum(*mesh.face_areas[bridges].T)) if len(bridges) else np.zeros(0)
-    lengths = np.concatenate([_edge_lengths(mesh, shared), across])
+    lengths = np.concatenate([shared_edge_lengths(mesh, shared), across])
     ends = np.sort(piece[np.concatenate([shared, bridges])], axis=1).astype(np.int64)
     codes, index = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
     pairs = np.stack([codes // max(n, 1), codes % max(n, 1)], axis=1).astype(np.int32)
@@ -202,14 +210,3 @@ def _seams(
 def _crosses(piece: IntArray, face_pairs: IntArray) -> BoolArray:
     ends = piece[face_pairs]
     return np.asarray((ends[:, 0] != ends[:, 1]) & (ends >= 0).all(axis=1))
-
-
-def _edge_lengths(mesh: Mesh, face_pairs: IntArray) -> FloatArray:
-    """(n,) length of the edge that two faces share, metres."""
-    one, other = (mesh.vertices[mesh.faces[side]] for side in face_pairs.T)
-    shared = (one[:, :, None] == other[:, None]).all(axis=3).any(axis=2)
-    out = np.zeros(len(face_pairs))
-    for k in range(3):
-        side = shared[:, k] & shared[:, (k + 1) % 3]
-        out[side] = np.linalg.norm(one[side, k] - one[side, (k + 1) % 3], axis=1)
-    return out

@@ -16,6 +16,7 @@ from scenewidget.engine.mesh import (
     connected_components,
     face_adjacency,
     unique_codes,
+    shared_edge_lengths,
     weld,
 )
 
@@ -202,3 +203,9 @@ def test_codes_are_counted_as_they_are_sorted(codes, end):
         unique_codes(np.array(codes), end), np.unique(codes, return_inverse=True), strict=True
     ):
         np.testing.assert_array_equal(found, expected)
+
+
+def test_shared_edges_are_measured_in_a_mesh_that_is_not_welded():
+    corners = np.array([[0, 0, 0], [3, 0, 0], [3, 4, 0], [3, 4, 0], [0, 0, 0], [0, 4, 0], [9, 9, 9]], float)
+    mesh = Mesh(corners, [[0, 1, 2], [3, 5, 4], [5, 4, 6]])
+    assert shared_edge_lengths(mesh, np.array([[0, 1], [1, 2], [0, 2]])).tolist() == [5.0, 4.0, 0.0]
