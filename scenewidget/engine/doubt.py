@@ -19,7 +19,7 @@ import numpy as np
 from scenewidget.engine.evidence import agreement_of_groups, counted_together
 from scenewidget.engine.kernels import kernel
 from scenewidget.engine.linkage import average_linkage
-from scenewidget.engine.mesh import FloatArray, IntArray
+from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
 from scenewidget.engine.moments import Moments
 from scenewidget.engine.pieces import Pieces
 
@@ -548,8 +548,8 @@ def measure_gaps(pieces: Pieces, by_graph: IntArray | None) -> Gaps:
     Returns
     -------
     Gaps
-        Of pairs in about one plane, facing about one way, neither of them too small for a question. Where a
-        third in that plane touches both, its borders decide.
+        Of pairs in about one plane, facing about one way, neither of them too small for a question. Where
+        others in that plane lead from one to the other, their borders decide.
 
     Examples
     --------
@@ -581,9 +581,9 @@ def measure_gaps(pieces: Pieces, by_graph: IntArray | None) -> Gaps:
     touches = np.zeros((n, n), dtype=bool)
     home = pieces.segment[pieces.pairs]
     touches[home[:, 0], home[:, 1]] = touches[home[:, 1], home[:, 0]] = True
-    goes_on = np.zeros((n, n))  # to a segment that it touches, in the same plane
-    goes_on[first, second] = goes_on[second, first] = touches[first, second]
-    keep = ~touches[first, second] & ((goes_on @ goes_on)[first, second] == 0)
+    meets = touches[first, second]
+    _, plane_of = connected_components(n, np.stack([first, second], axis=1)[meets])
+    keep = ~meets & (plane_of[first] != plane_of[second])
     first, second, offset = first[keep], second[keep], offset[keep]
     order = np.argsort(pieces.segment, kind="stable")
     ends = np.searchsorted(pieces.segment[order], np.arange(n + 1))

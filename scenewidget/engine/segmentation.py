@@ -15,6 +15,7 @@ import numpy as np
 from scenewidget.engine.boxes import oriented_boxes
 from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.doubt import Doubt, doubts
+from scenewidget.engine.gravity import up_direction
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.moments import group_moments, mean_normals, moment_origin
@@ -293,7 +294,7 @@ class Segmentation:
         return pd.DataFrame({"segment": np.arange(self.n_segments), "p_two": doubt.two, "faces": faces})
 
     def suggest_names(
-        self, *, up: tuple[float, float, float] | FloatArray = (0.0, 0.0, 1.0)
+        self, *, up: tuple[float, float, float] | FloatArray | None = None
     ) -> dict[int, tuple[str, float]]:
         """Names where geometry tells: floor, ceiling, wall; other segments are left out.
 
@@ -302,8 +303,9 @@ class Segmentation:
 
         Parameters
         ----------
-        up : (3,) float
-            Against gravity.
+        up : (3,) float, optional
+            Against gravity. By default what the surface tells, see `engine.gravity.up_direction`; z where it
+            doesn't.
 
         Returns
         -------
@@ -322,6 +324,9 @@ class Segmentation:
         >>> sorted({name for name, _ in truth.suggest_names().values()})
         ['ceiling', 'floor', 'wall']
         """
+        if up is None:
+            found = up_direction(self.mesh)
+            up = (0.0, 0.0, 1.0) if found is None else found
         direction = np.asarray(up, dtype=np.float64)
         length = float(np.linalg.norm(direction)) if direction.shape == (3,) else 0.0
         if not (np.isfinite(length) and length > 0):

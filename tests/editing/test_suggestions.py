@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 
 import scenewidget as sw
 from scenewidget.editing import EditError, Split
+from scenewidget.engine.doubt import measure_gaps
+from scenewidget.engine.pieces import make_pieces
 from scenewidget.metrics import rand_index_error
 
 FACES = 24  # of each of the eight parts of the strip, in four segments of two
@@ -61,9 +63,11 @@ def test_segments_that_the_runs_joined_more_often_come_first():
 
 def test_what_is_probably_wrong_is_kept_for_the_end():
     assert [ends(s) for s in strip(agreeing({(0, 1): 0.9})).suggestions()] == [{0, 1}]
-    found = strip(agreeing({})).suggestions()
-    assert [ends(s) for s in found] == [{0, 1}, {1, 2}, {2, 3}]
-    assert max(s.p for s in found) < 0.4
+    session = strip(agreeing({}))
+    for expected in ({0, 1}, {1, 2}, {2, 3}):
+        (found,) = session.suggestions()
+        assert (ends(found), found.p < 0.5) == (expected, True)
+        session.dismiss(found)
 
 
 def test_a_suggestion_can_be_followed_and_taken_back():
@@ -78,7 +82,7 @@ def test_a_suggestion_can_be_followed_and_taken_back():
 
 def test_what_was_dismissed_is_not_suggested_again():
     session = strip(agreeing({(0, 1): 0.9, (2, 3): 0.8}))
-    first, second = session.suggestions(2)
+    first, second = session.suggestions()
     session.dismiss(first)
     assert ends(first) not in [ends(s) for s in session.suggestions()]
     assert ends(second) in [ends(s) for s in session.suggestions()]
@@ -145,7 +149,8 @@ def test_one_answer_makes_its_like_more_or_less_likely():
     assert like.p > second.p + 0.05
     session.undo()
     session.dismiss(first)
-    (like,) = [s for s in session.suggestions() if ends(s) == ends(second)]
+    like = session.suggestions()[0]  # the only one left, and not as probable any more
+    assert ends(like) == ends(second)
     assert like.p < second.p - 0.05
 
 
@@ -251,3 +256,22 @@ def test_keys_must_fit_the_base_level():
         sw.Segmentation(mesh, labels, levels=levels, keys=np.zeros((8, 5)))
     with pytest.raises(ValueError, match=r"keys must have a row"):
         sw.Segmentation(mesh, labels, keys=np.zeros((8, 5), int))
+
+
+def test_a_wall_that_goes_on_behind_something_may_be_one():
+    """Three squares in a row, the middle one half a metre nearer and with no surface to either side."""
+    parts = [shapes.sheet(8, 3, width=2.0, depth=2.0) for _ in range(3)]
+    shifts = [(0, 0, 0), (2, 0, 0.5), (4, 0, 0)]
+    n = len(parts[0].vertices)
+    mesh = sw.Mesh(
+        np.concatenate([part.vertices + shift for part, shift in zip(parts, shifts)]),
+        np.concatenate([part.faces + n * k for k, part in enumerate(parts)]),
+    )
+    labels = np.repeat(np.arange(3), parts[0].n_faces)
+    gaps = measure_gaps(make_pieces(mesh, labels, labels), np.array([[0, 0], [1, 1], [0, 2]]))
+    assert (gaps.first.tolist(), gaps.second.tolist(), gaps.agreement.tolist()) == ([0], [2], [0.5])
+    assert gaps.offset[0] < 1e-6
+    assert 1.0 < gaps.gap[0] < 2.1
+    made = sw.Segmentation(mesh, labels, levels={"base": labels.astype(np.int32)}, keys=np.zeros((3, 2), int))
+    whys = [s.why for s in sw.Session(mesh, made).suggestions()]
+    assert any("apart, same plane" in why for why in whys), whys

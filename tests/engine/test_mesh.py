@@ -15,8 +15,8 @@ from scenewidget.engine.mesh import (
     MeshError,
     connected_components,
     face_adjacency,
-    unique_codes,
     shared_edge_lengths,
+    unique_codes,
     weld,
 )
 
