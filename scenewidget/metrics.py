@@ -627,8 +627,8 @@ def _sparse_matching(
 ) -> tuple[IntArray, IntArray]:
     # Each row may also take a column of its own that is worth 0; costs are shifted by 2 because an
     # explicit 0 is no edge to scipy.
-    rows = np.concatenate([i, np.arange(n_rows)])
-    columns = np.concatenate([j, n_columns + np.arange(n_rows)])
+    rows = np.concatenate([i, np.arange(n_rows)]).astype(np.int32)  # the oldest SciPy matches no others
+    columns = np.concatenate([j, n_columns + np.arange(n_rows)]).astype(np.int32)
     cost = np.concatenate([2.0 - value, np.full(n_rows, 2.0)])
     graph = sparse.csr_array((cost, (rows, columns)), shape=(n_rows, n_columns + n_rows))
     matched_rows, matched = csgraph.min_weight_full_bipartite_matching(graph)
