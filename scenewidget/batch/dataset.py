@@ -13,6 +13,7 @@ import pandas as pd
 from scenewidget.batch.worklist import STATES, Entry, Worklist
 from scenewidget.editing.formats import export
 from scenewidget.editing.formats.seal import write_files
+from scenewidget.editing.formats.table import as_text
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.segmentation import Segmentation
 
@@ -94,7 +95,7 @@ def export_dataset(
         export(labels, mesh, folder / f"{scene}.aggregation.json", "scannet", overwrite=overwrite)
         rows.append(_counted(entry, scene, labels, scene in held_out))
         areas = np.bincount(labels.labels[labels.labels >= 0], mesh.face_areas[labels.labels >= 0])
-        names += [(name or "unannotated", float(area)) for name, area in zip(labels.names, areas)]
+        names += [(as_text(name or "unannotated"), float(area)) for name, area in zip(labels.names, areas)]
     table = pd.DataFrame(rows)
     counts = pd.DataFrame(names, columns=["name", "area"]).groupby("name")["area"].agg(["count", "sum"])
     counts = counts.rename(columns={"count": "segments", "sum": "area"}).sort_values("area", ascending=False)
@@ -159,8 +160,8 @@ def scan_bytes(mesh: Mesh, kind: str) -> bytes:
 
 def _counted(entry: Entry, scene: str, labels: Segmentation, is_held_out: bool) -> dict[str, Any]:
     return {
-        "scan": entry.scan,
-        "scene": scene,
+        "scan": as_text(entry.scan),
+        "scene": as_text(scene),
         "split": "validation" if is_held_out else "train",
         "faces": labels.mesh.n_faces,
         "segments": labels.n_segments,

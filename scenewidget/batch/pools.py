@@ -12,6 +12,7 @@ import importlib.util
 import os
 import queue
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -34,6 +35,7 @@ ROOM = (
 SHARE = 0.9  # of the memory is for workers
 RESTARTS = 20  # of the command that keeps our workers, before we give up
 TOPIC = "scenewidget"
+DASHBOARD = 8787
 ANSWER = 10.0  # seconds for a scheduler to say that it is there
 
 
@@ -434,7 +436,7 @@ def _own_pool(n_workers: int | None, task: Callable[[Any], Row], stack: contextl
         n_workers=0,
         threads_per_worker=1,
         host="127.0.0.1",
-        dashboard_address="127.0.0.1:8787" if importlib.util.find_spec("bokeh") else None,
+        dashboard_address=f"127.0.0.1:{_dashboard_port()}",
         silence_logs=logging.CRITICAL,
         scheduler_kwargs={"allowed_failures": 1},
     )
@@ -444,6 +446,18 @@ def _own_pool(n_workers: int | None, task: Callable[[Any], Row], stack: contextl
     stack.callback(workers.stop)
     workers.start()
     return DaskPool(client, workers, task=task)
+
+
+def _dashboard_port() -> int:
+    """8787, where people expect Dask's dashboard; any other where that is taken, or where there is none."""
+    if importlib.util.find_spec("bokeh") is None:
+        return 0
+    with socket.socket() as trial:
+        try:
+            trial.bind(("127.0.0.1", DASHBOARD))
+        except OSError:
+            return 0
+    return DASHBOARD
 
 
 def _client(given: Any, stack: contextlib.ExitStack) -> Any:

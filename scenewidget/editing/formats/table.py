@@ -13,7 +13,7 @@ from scenewidget.engine.segmentation import Segmentation
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["write_csv", "write_parquet"]
+__all__ = ["as_text", "write_csv", "write_parquet"]
 
 
 def write_csv(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
@@ -22,8 +22,19 @@ def write_csv(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
     A name that a spreadsheet would take for a formula (``=``, ``+``, ``-``, ``@`` first) gets an apostrophe.
     """
     frame = _frame(segmentation)
-    frame["name"] = [f"'{name}" if name[:1] in tuple("=+-@\t\r") else name for name in frame["name"]]
+    frame["name"] = [as_text(name) for name in frame["name"]]
     return {path: [frame.to_csv(lineterminator="\n").encode(errors="replace")]}
+
+
+def as_text(name: str) -> str:
+    """A cell of a CSV that no spreadsheet takes for a formula.
+
+    Examples
+    --------
+    >>> as_text("=1+1"), as_text("chair")
+    ("'=1+1", 'chair')
+    """
+    return f"'{name}" if name[:1] in tuple("=+-@\t\r") else name
 
 
 def write_parquet(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
