@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import ipywidgets as widgets
 import numpy as np
+import numpy.typing as npt
 import traitlets
 
 from scenewidget.engine.mesh import IntArray, Mesh
@@ -192,6 +193,20 @@ class Compare(FaultTolerant, widgets.VBox):
             row, _ = self.children
             close_all(*self.views, *self._titles, self._table, *row.children, row)
         close_all(self)
+
+    def set_values(self, values: npt.ArrayLike, **options: Any) -> None:
+        """Colour both sides by a number a face: any disagreement that you measure yourself.
+
+        Parameters
+        ----------
+        values : (n_faces,) float
+            NaN is drawn grey.
+        **options
+            ``title``, ``colormap``, ``low``, ``high``, as of `SceneView.set_values`.
+        """
+        with self._lock:
+            for view in self.views:
+                view.set_values(values, **options)
 
     def to_frame(self) -> pd.DataFrame:
         """`evaluate` of both against the truth, or of B against A without one."""

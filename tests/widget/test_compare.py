@@ -66,6 +66,16 @@ def test_disagreement_is_coloured_on_both_sides(compare):
     assert compare.views[1].color_by == "errors"
 
 
+def test_any_number_a_face_is_coloured_on_both_sides(compare):
+    a, b = compare.segmentations
+    compare.set_values(np.abs(a.confidence - b.confidence), title="Difference in confidence", low=0, high=1)
+    assert [view.color_by for view in compare.views] == ["values", "values"]
+    assert [view.values_legend["title"] for view in compare.views] == ["Difference in confidence"] * 2
+    assert compare.views[0]._face_value == compare.views[1]._face_value != b""
+    with pytest.raises(ValueError, match="one a face"):
+        compare.set_values([1.0])
+
+
 def test_disagreement_of_two_labelings():
     a, b = np.array([0, 0, 0, 1, 1, -1, -1, 2]), np.array([5, 5, 1, 1, 1, -1, 1, 7])
     assert disagreement(a, b).tolist() == [1, 1, 2, 1, 1, 0, 2, 1]
