@@ -18,6 +18,7 @@ from scenewidget.exercises.judging import Exercise, Verdict
 __all__ = ["check", "names", "question", "verdict"]
 
 _HOME = {  # notebook -> module that has its exercises
+    "01": "first_steps",
     "02": "graphs",
     "03": "laplacians",
     "04": "spectra",
