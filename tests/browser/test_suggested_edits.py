@@ -17,7 +17,7 @@ def suggesting(notebook):
     view.wait("busy", "false")
     view.settle()
     book.page.get_by_role("button", name="Next suggestion").wait_for()
-    assert int(book.evaluate("len(w.session.suggestions())")) >= 3
+    assert int(book.evaluate("len(w.session.suggestions())")) >= 1
     yield book, view
     assert book.errors == []
 
