@@ -179,7 +179,11 @@ class Mesh:
         ----------
         faces : (n,) int
         """
-        return Mesh(self.vertices, self.faces[faces], self.vertex_colors)
+        chosen = Mesh(self.vertices, self.faces[faces], self.vertex_colors)
+        for name in ("face_vectors", "face_areas", "face_normals", "face_centroids"):
+            if name in vars(self):  # what is known of the faces need not be computed again
+                vars(chosen)[name] = _read_only(vars(self)[name][faces])
+        return chosen
 
     def part(self, faces: IntArray) -> Mesh:
         """Some of the faces, in their order, with the vertices that they use.

@@ -209,3 +209,15 @@ def test_shared_edges_are_measured_in_a_mesh_that_is_not_welded():
     corners = np.array([[0, 0, 0], [3, 0, 0], [3, 4, 0], [3, 4, 0], [0, 0, 0], [0, 4, 0], [9, 9, 9]], float)
     mesh = Mesh(corners, [[0, 1, 2], [3, 5, 4], [5, 4, 6]])
     assert shared_edge_lengths(mesh, np.array([[0, 1], [1, 2], [0, 2]])).tolist() == [5.0, 4.0, 0.0]
+
+
+def test_what_is_known_of_faces_goes_with_those_chosen():
+    mesh = shapes.room(3)[0]
+    known = [mesh.face_areas, mesh.face_normals, mesh.face_centroids]
+    order = np.random.default_rng(0).permutation(mesh.n_faces)[: mesh.n_faces // 2]
+    chosen, anew = mesh.chosen(order), Mesh(mesh.vertices, mesh.faces[order])
+    for values, expected in zip(known, (anew.face_areas, anew.face_normals, anew.face_centroids)):
+        np.testing.assert_array_equal(values[order], expected)
+    np.testing.assert_array_equal(chosen.face_vectors, anew.face_vectors)
+    np.testing.assert_array_equal(chosen.face_normals, anew.face_normals)
+    assert not chosen.face_areas.flags.writeable
