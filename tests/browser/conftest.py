@@ -434,7 +434,13 @@ class Notebook:
         )
         self.page.evaluate("() => window.unanswered.clear()")  # the kernel that is gone answers no more
         self.page.wait_for_function(IS_IDLE)
-        self.execute(f"import os; os.chdir({str(self.folder)!r})")  # where the server started it, was another
+        self.page.evaluate(  # not by `evaluate`, since what waits for the old kernel is never answered
+            """async code => {
+                const { session } = window.jupyterapp.shell.currentWidget.context.sessionContext;
+                await session.kernel.requestExecute({ code, silent: true }).done;
+            }""",
+            f"import os; os.chdir({str(self.folder)!r})",  # the server began it where another notebook was
+        )
 
     def evaluate(self, expression: str) -> str:
         """`repr` of a Python expression in the kernel, once it has taken what was done on the page.
