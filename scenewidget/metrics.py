@@ -28,7 +28,7 @@ from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
-from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, weld
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, face_adjacency, weld
 from scenewidget.engine.segmentation import Segmentation
 
 __all__ = [
@@ -453,7 +453,10 @@ def cut_discrepancy(a: Labels, b: Labels, mesh: Mesh, unlabeled: Unlabeled = "dr
         )
     _check_unlabeled(unlabeled)
     faces = weld(mesh)[mesh.faces]
-    edge, opposite, beside = _inner_edges(faces, mesh.n_vertices)
+    if mesh.is_cloud:  # neighbours are what is cut, and the way from point to point
+        edge = beside = face_adjacency(mesh)
+    else:
+        edge, opposite, beside = _inner_edges(faces, mesh.n_vertices)
     left, right, keep = _resolve(left, right, unlabeled)
     usable = np.ones(len(beside), dtype=bool) if keep is None else keep[beside].all(axis=1)
     is_cut = [usable & (labels[beside[:, 0]] != labels[beside[:, 1]]) for labels in (left, right)]
@@ -461,7 +464,7 @@ def cut_discrepancy(a: Labels, b: Labels, mesh: Mesh, unlabeled: Unlabeled = "dr
         return 0.0
     if not is_cut[0].any() or not is_cut[1].any():
         return float("nan")
-    graph = _surface_graph(mesh, faces, edge, opposite)
+    graph = _point_graph(mesh, edge) if mesh.is_cloud else _surface_graph(mesh, faces, edge, opposite)
     forth = _mean_distance_to(graph, mesh, edge[is_cut[0]], edge[is_cut[1]])
     back = _mean_distance_to(graph, mesh, edge[is_cut[1]], edge[is_cut[0]])
     return (forth + back) / _mean_radius(mesh)
@@ -480,6 +483,13 @@ def _inner_edges(faces: IntArray, n_vertices: int) -> tuple[IntArray, IntArray, 
     opposite = np.stack([apex[first], apex[second]], axis=1)
     beside = np.stack([first // 3, second // 3], axis=1)
     return edge, opposite, beside
+
+
+def _point_graph(cloud: Mesh, pairs: IntArray) -> sparse.csr_array:
+    """Points joined to their neighbours."""
+    length = np.linalg.norm(cloud.vertices[pairs[:, 0]] - cloud.vertices[pairs[:, 1]], axis=1)
+    n = cloud.n_vertices
+    return sparse.csr_array((np.maximum(length, 1e-12), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
 
 
 def _surface_graph(mesh: Mesh, faces: IntArray, edge: IntArray, opposite: IntArray) -> sparse.csr_array:

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+from scenewidget.engine.readers.colors import to_srgb
 from scenewidget.engine.segmentation import Segmentation
 
 __all__ = [
@@ -46,9 +47,7 @@ DEUTERANOPIA = np.array(
 @cache
 def palette() -> npt.NDArray[np.uint8]:
     """(n_colors, 3) uint8 sRGB."""
-    linear = _linear_palette()
-    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return np.round(255 * encoded).astype(np.uint8)
+    return to_srgb(_linear_palette())
 
 
 # what each segmentation is shown in, where somebody looks at it; -1 = not shown

@@ -165,7 +165,7 @@ def mesh_graph(mesh: Mesh, items: Items, convexity: Convexity, monitor: Monitor)
     """Faces and their adjacency, or vertices and the edges between them, weighted as by Karpathy et al."""
     monitor.start("graph")
     faces = weld(mesh)[mesh.faces]
-    if items == "faces":
+    if items == "faces" or mesh.is_cloud:
         pairs, positions, normals = face_adjacency(mesh), mesh.face_centroids, mesh.face_normals
     else:
         pairs, positions, normals = _vertex_pairs(faces), mesh.vertices, vertex_normals(mesh, faces)

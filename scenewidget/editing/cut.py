@@ -19,7 +19,6 @@ from scenewidget.engine.mesh import (
     Mesh,
     connected_components,
     face_adjacency,
-    shared_edge_lengths,
 )
 from scenewidget.engine.preprocess import filter_normals
 from scenewidget.engine.threads import n_threads
@@ -153,7 +152,7 @@ def _edges(sub: Mesh, pairs: IntArray, normals: FloatArray) -> tuple[FloatArray,
     turn = np.maximum(1.0 - np.einsum("ij,ij->i", normals[i], normals[j]), 0.0).astype(np.float64)
     apart = sub.face_centroids[j] - sub.face_centroids[i]
     is_convex = np.einsum("ij,ij->i", apart, normals[j] - normals[i]) > 0
-    return shared_edge_lengths(sub, pairs), np.where(is_convex, CONVEX, 1.0) * turn
+    return sub.seam_lengths(pairs), np.where(is_convex, CONVEX, 1.0) * turn
 
 
 def _min_cut(n: int, pairs: IntArray, capacity: IntArray) -> BoolArray:

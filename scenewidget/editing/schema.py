@@ -91,6 +91,8 @@ def write_project(connection: sqlite3.Connection, project: Project) -> None:
         _put_array(connection, "mesh/faces", project.mesh.faces)
         if project.mesh.vertex_colors is not None:
             _put_array(connection, "mesh/vertex_colors", project.mesh.vertex_colors)
+        if isinstance(project.mesh, PointCloud) and project.mesh.has_sides:  # others are found again
+            _put_array(connection, "mesh/normals", project.mesh.face_normals.astype(np.float32))
     _put_root(connection, Root(0, b"", _content_of(connection)))
     insert_operations(connection, project.operations)
     connection.execute("COMMIT")

@@ -15,6 +15,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
+from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, MeshError, connected_components
 from scenewidget.engine.threads import n_threads
 
@@ -25,6 +26,8 @@ N_NEAR = 6  # neighbours that a point is joined to
 N_AREA = 8  # neighbours whose disc tells the area of a point
 LARGEST_AREA = 0.995  # quantile at which areas are capped: lonely points would weigh too much
 REACH = 3.0  # median distances of the sixth neighbour, from which on points aren't neighbours
+FLAT = 1e-9  # sine of an angle below which three points of a tangent plane lie on a line
+SEAM = 0.44  # of the root of a point's area: length of border for each pair across it
 BACK = -0.3  # cosine of normals below which neighbours are two sides of one thing
 STEP = 100_000  # points whose planes are fitted at once
 
@@ -182,6 +185,18 @@ class PointCloud(Mesh):
         """(n_points, 3) the points."""
         return self.points
 
+    def seam_lengths(self, pairs: IntArray) -> FloatArray:
+        """(n_pairs,) metres of a border for which a pair of neighbours on its two sides stands.
+
+        A line across points of area a crosses (2/π) · (length of all pairs a square metre), Buffon's needle,
+        that is about 2.3/√a pairs a metre.
+
+        Parameters
+        ----------
+        pairs : (n_pairs, 2) int
+        """
+        return np.asarray(SEAM * np.sqrt(self.face_areas[pairs].mean(axis=1)))
+
     def part(self, faces: IntArray) -> PointCloud:
         """Some of the points, with their normals.
 
@@ -205,6 +220,22 @@ class PointCloud(Mesh):
         faces : (n,) int
         """
         return self.part(faces)
+
+    @cached_property
+    def triangles(self) -> IntArray:
+        """(n_triangles, 3) int32 triangles at each point of the Delaunay triangulation of its neighbours.
+
+        The up to 16 nearest points within reach that look to the same side count, in the tangent plane
+        (Clarenz, Rumpf and Telea 2004; Belkin, Sun and Wang 2009). A triangle comes up to three times, once
+        for each corner that has it. Where the surface ends, the fan of a point is open.
+        """
+        index, distance = self._near
+        n, k = index.shape
+        found = np.empty((n * max(k, 1), 3), np.int32)
+        count = _stars(self.points, self.face_normals, index, distance, REACH * self.spacing, BACK, found)
+        triangles = found[:count].copy()
+        triangles.flags.writeable = False
+        return triangles
 
     def _planes(self) -> FloatArray:
         """(n_points, 3) direction in which the neighbours spread least, of either sign."""
@@ -265,3 +296,74 @@ class PointCloud(Mesh):
         i, j = pairs.T
         dot = np.einsum("ij,ij->i", self.face_normals[i], self.face_normals[j])
         return np.asarray(pairs[dot > BACK])
+
+
+@kernel
+def _stars(points, normals, index, distance, reach, back, out):  # type: ignore[no-untyped-def]
+    """Delaunay triangles around each point, wrapped from neighbour to neighbour; how many there are.
+
+    The next neighbour after a, counter-clockwise, is the b that sees the edge from the point to a under the
+    largest angle: the circle through the three is empty (McLain 1976).
+    """
+    n, k = index.shape
+    x, y = np.empty(k), np.empty(k)
+    who = np.empty(k, np.int64)
+    count = 0
+    for i in range(n):
+        nx, ny, nz = normals[i]
+        if nx * nx + ny * ny + nz * nz < 0.5:
+            continue
+        # two axes of the tangent plane
+        if abs(nx) < 0.6:
+            ax, ay, az = 0.0, nz, -ny
+        else:
+            ax, ay, az = -nz, 0.0, nx
+        length = np.sqrt(ax * ax + ay * ay + az * az)
+        ax, ay, az = ax / length, ay / length, az / length
+        bx, by, bz = ny * az - nz * ay, nz * ax - nx * az, nx * ay - ny * ax
+        m, start, least = 0, -1, np.inf
+        for slot in range(k):
+            j = index[i, slot]
+            if not 0 < distance[i, slot] <= reach:
+                continue
+            if nx * normals[j, 0] + ny * normals[j, 1] + nz * normals[j, 2] <= back:
+                continue
+            dx, dy, dz = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1], points[j, 2] - points[i, 2]
+            x[m], y[m] = dx * ax + dy * ay + dz * az, dx * bx + dy * by + dz * bz
+            size = x[m] * x[m] + y[m] * y[m]
+            if not size > 0:
+                continue
+            who[m] = j
+            if size < least:
+                start, least = m, size
+            m += 1
+        if m < 2:
+            continue
+        for turn in (1.0, -1.0):
+            a = start
+            for _ in range(m):
+                best, lowest = -1, np.inf
+                length_a = np.sqrt(x[a] * x[a] + y[a] * y[a])
+                for b in range(m):
+                    cross = turn * (x[a] * y[b] - y[a] * x[b])
+                    size = x[b] * x[b] + y[b] * y[b]
+                    if cross <= FLAT * length_a * np.sqrt(size):
+                        continue
+                    cotangent = (size - x[a] * x[b] - y[a] * y[b]) / cross
+                    if cotangent < lowest:
+                        best, lowest = b, cotangent
+                if best < 0:
+                    break
+                dx, dy = x[best] - x[a], y[best] - y[a]
+                if dx * dx + dy * dy > reach * reach:
+                    break
+                out[count, 0] = i
+                out[count, 1] = who[a] if turn > 0 else who[best]
+                out[count, 2] = who[best] if turn > 0 else who[a]
+                count += 1
+                a = best
+                if a == start:
+                    break
+            if a == start:  # all the way round
+                break
+    return count

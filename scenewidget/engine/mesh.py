@@ -153,6 +153,16 @@ class Mesh:
                 )
             object.__setattr__(self, "faces_of_file", _read_only(np.array(origin, dtype=np.int32)))
 
+    def seam_lengths(self, pairs: IntArray) -> FloatArray:
+        """(n_pairs,) length of the edge that two faces share, metres; 0 where they share none.
+
+        Parameters
+        ----------
+        pairs : (n_pairs, 2) int
+            Faces.
+        """
+        return shared_edge_lengths(self, pairs)
+
     is_cloud: ClassVar[bool] = False
     """Whether faces are points; see `engine.clouds.PointCloud`."""
     noun: ClassVar[str] = "face"

@@ -2,6 +2,10 @@
 
 Goes in: a mesh. Come out: the uniform and the cotangent Laplacian (thesis 3.2), mixed Voronoi areas
 (Meyer et al. 2003) and the eigenbasis W φ = λ A φ, smallest eigenvalues first (thesis Eq. 3.4).
+
+A cloud has the triangles of the tangent plane at each point, a third of each for each corner that has it
+(Sharp and Crane 2020): where all three agree, as a triangulation would have it. The smallest eigenvalues are
+near those of the surface, not those of another sampling of it.
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
 from scenewidget.engine.checks import checked_count
+from scenewidget.engine.clouds import PointCloud
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, MeshError, connected_components
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.threads import one_blas_thread
@@ -64,6 +69,7 @@ def uniform_laplacian(mesh: Mesh) -> sparse.csr_array:
     [[3.0, -1.0, -1.0, -1.0], [-1.0, 2.0, 0.0, -1.0], [-1.0, 0.0, 2.0, -1.0], [-1.0, -1.0, -1.0, 3.0]]
     """
     n = mesh.n_vertices
+    mesh = _triangulated(mesh) if isinstance(mesh, PointCloud) else mesh
     edges = _face_edges(mesh)
     low, high = edges.min(axis=1).astype(np.int64), edges.max(axis=1).astype(np.int64)
     key = np.unique(low * n + high)
@@ -105,6 +111,11 @@ def cotangent_laplacian(mesh: Mesh) -> tuple[sparse.csr_array, sparse.csr_array]
     >>> bool(abs(W.sum(axis=1)).max() < 1e-12), A.diagonal().sum().round(6).item()
     (True, 1.0)
     """
+    if isinstance(mesh, PointCloud):
+        triangulated = _triangulated(mesh)
+        W, A = cotangent_laplacian(triangulated)
+        areas = _clamped(A.diagonal() / 3.0, triangulated.is_used)
+        return W / 3.0, sparse.diags_array(areas, format="csr")
     _check_area(mesh)
     dots = _corner_dots(mesh)
     double_area = 2.0 * mesh.face_areas
@@ -142,6 +153,9 @@ def robust_laplacian(mesh: Mesh) -> tuple[sparse.csr_array, sparse.csr_array]:
         raise ImportError(
             'laplacian="robust" needs the package robust_laplacian: pip install "scenewidget[robust]"'
         ) from error
+    if isinstance(mesh, PointCloud):
+        once = np.unique(np.sort(mesh.triangles, axis=1), axis=0)
+        mesh = Mesh(mesh.points, once if len(once) else _triangulated(mesh).faces)
     _check_area(mesh)
     n = mesh.n_vertices
     is_proper = (mesh.faces != np.roll(mesh.faces, 1, axis=1)).all(axis=1)
@@ -177,6 +191,8 @@ def mixed_areas(mesh: Mesh) -> FloatArray:
     >>> mixed_areas(square(4)).sum().round(6).item()
     1.0
     """
+    if isinstance(mesh, PointCloud):
+        return mixed_areas(_triangulated(mesh)) / 3.0
     dots = _corner_dots(mesh)
     corners = mesh.vertices[mesh.faces]
     opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
@@ -213,6 +229,7 @@ def vertex_components(mesh: Mesh) -> IntArray:
     >>> vertex_components(sw.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 5, 5]], [[0, 1, 2]])).tolist()
     [0, 0, 0, -1]
     """
+    mesh = _triangulated(mesh) if isinstance(mesh, PointCloud) else mesh
     _, component = connected_components(mesh.n_vertices, _face_edges(mesh))
     is_used = mesh.is_used
     out = np.full(mesh.n_vertices, -1, dtype=np.int32)
@@ -505,6 +522,15 @@ def _with_fixed_signs(phi: FloatArray) -> FloatArray:
 
 
 # --- parts ----------------------------------------------------------------------------------------
+
+
+def _triangulated(cloud: PointCloud) -> Mesh:
+    """The triangles of the tangent planes of a cloud over its points."""
+    if len(cloud.triangles) == 0:
+        raise MeshError(
+            "no three neighbours of the cloud make a triangle: it has no surface and no Laplacian"
+        )
+    return Mesh(cloud.points, cloud.triangles)
 
 
 def _check_area(mesh: Mesh) -> None:

@@ -18,7 +18,6 @@ from scenewidget.engine.mesh import (
     IntArray,
     Mesh,
     face_adjacency,
-    shared_edge_lengths,
     unique_codes,
 )
 from scenewidget.engine.moments import Moments, group_moments
@@ -200,7 +199,7 @@ def _seams(
     bridges = bridges[_crosses(piece, bridges)]
     # a bridge stands for a side of an equilateral triangle of the area of the smaller face
     across = 1.52 * np.sqrt(np.minimum(*mesh.face_areas[bridges].T)) if len(bridges) else np.zeros(0)
-    lengths = np.concatenate([shared_edge_lengths(mesh, shared), across])
+    lengths = np.concatenate([mesh.seam_lengths(shared), across])
     ends = np.sort(piece[np.concatenate([shared, bridges])], axis=1).astype(np.int64)
     codes, index = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
     pairs = np.stack([codes // max(n, 1), codes % max(n, 1)], axis=1).astype(np.int32)

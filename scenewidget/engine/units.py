@@ -10,10 +10,10 @@ from typing import Literal
 
 import numpy as np
 
-from scenewidget.engine.gravity import large_axes
+from scenewidget.engine.gravity import large_axes, up_direction
 from scenewidget.engine.mesh import FloatArray, Mesh
 
-__all__ = ["FACTORS", "METRE", "Unit", "UnitName", "likely_unit"]
+__all__ = ["FACTORS", "METRE", "Unit", "UnitName", "likely_unit", "unit_by_size"]
 
 UnitName = Literal["auto", "m", "cm", "mm", "in", "ft"]
 FACTORS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}  # to metres
@@ -52,6 +52,11 @@ UNITS = (  # and how unlikely each is before anything is seen, in nats
 ROOM = ((4.5, 0.8), (0.015, 1.2))  # metres across and of an edge: medians, and widths of their logarithms
 THINGS = ((1.2, 0.8), (0.003, 1.2))  # the same of scans of a table
 HEIGHT, SPREAD = 2.6, 0.13  # metres from floor to ceiling
+SHELF = (0.7, 0.4)  # metres from the floor to what people put things on: median, and width of the logarithm
+WALL = (2.4, 0.5)  # the same of how high a scan reaches above its floor, where it has no ceiling
+LEAST_SHELF = 0.03  # of the area that faces up must lie above the floor, or it says nothing
+LARGE = 6.0  # extent from which a scan without a ceiling may be in feet or inches
+SMALLEST, LARGEST = 0.02, 300.0  # extents beyond which a cloud is in another unit than metres
 FLAT = 0.4  # height over width up to which a scan may be of a table
 SURE = 3.0  # nats by which another unit must be more likely than the metre
 
@@ -81,6 +86,12 @@ def likely_unit(mesh: Mesh) -> Unit:
     is_flat = len(axes) > 0 and not opposed and min(axis.extent for axis in axes) < FLAT * extent[0]
     kinds = (ROOM, THINGS) if is_flat else (ROOM,)
     heights = []
+    shelf, top = 0.0, 0.0
+    up = up_direction(mesh) if extent[0] > LARGE else None
+    if up is not None:  # walls may be opposed where there is no ceiling
+        opposed = [axis for axis in opposed if abs(axis.direction @ up) > 0.95]
+        if not opposed:
+            shelf, top = _above_floor(mesh, up)
     if opposed:  # the widest pair of surfaces, for their distance, is floor and ceiling
         heights.append(max(opposed, key=lambda axis: axis.share / axis.extent).extent)
     scores = []
@@ -89,9 +100,51 @@ def likely_unit(mesh: Mesh) -> Unit:
             _fit(extent[0] * unit.factor, kind[0]) + _fit(edge * unit.factor, kind[1]) for kind in kinds
         )
         size += sum(max(_fit(height * unit.factor, (HEIGHT, SPREAD)), -6.0) for height in heights)
+        size += max(_fit(shelf * unit.factor, SHELF), -6.0) if shelf > 0 else 0.0
+        size += max(_fit(top * unit.factor, WALL), -3.0) if top > 0 else 0.0
         scores.append(size - unlikely)
     best = int(np.argmax(scores))
     return UNITS[best][0] if scores[best] > scores[0] + SURE else METRE
+
+
+def unit_by_size(points: FloatArray) -> Unit:
+    """The unit that the size of a cloud fits, which has no faces to tell more.
+
+    Parameters
+    ----------
+    points : (n_points, 3) float
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 0, 0], [4500, 3000, 2500]])
+    >>> unit_by_size(corners).name, unit_by_size(corners / 1000).name
+    ('millimetres', 'metres')
+    """
+    low, high = np.percentile(points, [1, 99], axis=0)
+    across = float((high - low).max())
+    if not across > 0 or SMALLEST <= across <= LARGEST:
+        return METRE
+    fits = [unit for unit, _ in UNITS if unit.factor not in (1.0, 0.0254, 0.3048, 1000.0)]
+    return min(fits, key=lambda unit: abs(np.log(across * unit.factor / ROOM[0][0])))
+
+
+def _above_floor(mesh: Mesh, up: FloatArray) -> tuple[float, float]:
+    """How high above the floor half of what faces up beyond it lies, and the whole scan; 0 where unknown."""
+    height = mesh.face_centroids @ up
+    is_level = mesh.face_vectors @ up > 1.9 * mesh.face_areas
+    if not is_level.any():
+        return 0.0, 0.0
+    levels, areas = height[is_level], mesh.face_areas[is_level]
+    low, high = np.percentile(height, [0.5, 99.5])
+    bins = np.clip(((levels - low) / max(high - low, 1e-300) * 50).astype(int), 0, 49)
+    floor = low + (np.bincount(bins, areas, 50).argmax() + 0.5) / 50 * (high - low)
+    is_above = levels > floor + 0.06 * (high - low)
+    if areas[is_above].sum() < LEAST_SHELF * areas.sum():
+        return 0.0, float(high - floor)
+    order = np.argsort(levels[is_above])
+    share = np.cumsum(areas[is_above][order])
+    middle = levels[is_above][order][np.searchsorted(share, 0.5 * share[-1])]
+    return float(middle - floor), float(high - floor)
 
 
 def _fit(value: float, expected: tuple[float, float]) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
+from scenewidget.engine.clouds import PointCloud
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.preprocess import simplify
 from scenewidget.figures.scale import ColorArray, ColorScale, color_scale
@@ -40,6 +41,7 @@ LIGHT = np.array([0.20, -0.62, 0.76])  # points towards the light
 DARKEST = 0.62  # a face turned away from the light keeps this share of its colour
 LINE_WIDTH = 0.0022  # as a share of the diagonal of the bounding box
 MOST_VECTORS = 2_000
+DISC = 2.0  # areas of a point: square of the reach of the triangle that it is drawn as
 
 _simplified: weakref.WeakKeyDictionary[Mesh, dict[int, tuple[Mesh, IntArray]]] = weakref.WeakKeyDictionary()
 
@@ -126,12 +128,16 @@ def draw(
     rgb = None if colors is None else _checked_rows(mesh, "colors", colors, (3,))
     marked = np.zeros(0, np.intp) if points is None else _checked_points(mesh, points)
 
+    if mesh.is_cloud and (edges or isolines):
+        raise ValueError("edges and isolines are drawn along faces, and a cloud has none")
+
     drawn, source = at_most(mesh, max_faces)
     faces = drawn.faces
-    low_end, high_end = (end(drawn.vertices[faces], axis=(0, 1)) for end in (np.min, np.max))
+    corners = _discs(drawn) if isinstance(drawn, PointCloud) else drawn.vertices[faces]
+    low_end, high_end = (end(corners, axis=(0, 1)) for end in (np.min, np.max))
     middle = (low_end + high_end) / 2 if middle is None else middle
     diagonal = float(np.linalg.norm(high_end - low_end)) or 1.0
-    corners = drawn.vertices[faces] - middle
+    corners = corners - middle
 
     scale = None
     at_corners = None
@@ -150,7 +156,7 @@ def draw(
         paint = np.tile(np.array(PLAIN, np.uint8), (len(faces), 3, 1))
 
     if smooth is None:
-        smooth = numbers is not None and len(numbers) == mesh.n_vertices
+        smooth = numbers is not None and len(numbers) == mesh.n_vertices and not mesh.is_cloud
     hides_back = _is_room(mesh) if back_faces is None else not back_faces
     layers = [(corners, lit(paint, corner_normals(corners, faces, smooth=smooth)))]
     width = LINE_WIDTH * diagonal
@@ -172,7 +178,7 @@ def draw(
     note = (
         ""
         if drawn is mesh
-        else f"drawn with {drawn.n_faces:,} of {mesh.n_faces:,} faces".replace(",", "\u2009")
+        else f"drawn with {drawn.n_faces:,} of {mesh.n_faces:,} {mesh.noun}s".replace(",", "\u2009")
     )
     if arrows is not None:
         needle, is_thinned = _arrows(mesh, arrows, middle, diagonal, vector_length)
@@ -191,6 +197,18 @@ def draw(
         scale,
         note,
     )
+
+
+def _discs(cloud: PointCloud) -> FloatArray:
+    """(n_points, 3, 3) corners of a triangle at each point, in its plane, reaching to what is around it."""
+    normal = cloud.face_normals
+    normal = np.where(np.abs(normal).sum(axis=1, keepdims=True) > 0, normal, (0.0, 0.0, 1.0))
+    across = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
+    reach = np.sqrt(DISC * np.maximum(cloud.face_areas, 1e-12))
+    across *= (reach / np.linalg.norm(across, axis=1))[:, None]
+    up = np.cross(normal, across)
+    turns = [(np.cos(angle), np.sin(angle)) for angle in (0.0, 2 * np.pi / 3, 4 * np.pi / 3)]
+    return np.stack([cloud.points + c * across + s * up for c, s in turns], axis=1)
 
 
 def lit(colors: ColorArray | FloatArray, normals: FloatArray) -> ColorArray:

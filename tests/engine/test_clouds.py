@@ -8,9 +8,13 @@ import shapes
 
 import scenewidget as sw
 from scenewidget.engine.clouds import PointCloud
+from scenewidget.engine.features import delta_coordinates
 from scenewidget.engine.mesh import Mesh, MeshError, face_adjacency
 from scenewidget.engine.moments import face_moments
+from scenewidget.engine.operators import cotangent_laplacian, eigenbasis, uniform_laplacian
 from scenewidget.engine.readers import load, load_cloud
+from scenewidget.engine.readers.e57 import _stations
+from scenewidget.figures.drawing import draw
 
 
 def sampled(mesh, n, *, noise=0.0, seed=0):
@@ -173,7 +177,7 @@ def test_las_and_laz_give_points_and_colours_and_no_half_of_them(tmp_path, suffi
         ("a.xyz", b"0 0 0\n1 1\n", "line 2 of its points has 2 numbers"),
         ("a.xyz", b"hello world\n1 2\n", "has no columns x, y and z"),
         ("a.csv", b"a,b,c\n1,2,3\n", "has no columns x, y and z"),
-        ("a.glb", b"glTF" + bytes(30), "is a mesh"),
+        ("a.stl", b"solid a\nfacet normal 0 0 1\n", "is a mesh"),
         ("a.e57", b"ASTM-E57" + bytes(40), "damaged or truncated"),
         ("a.las", b"LASF" + bytes(40), "truncated inside its header"),
     ],
@@ -210,3 +214,79 @@ def test_what_is_no_cloud_is_refused(source):
 
 def test_a_mesh_stays_a_mesh():
     assert type(load((np.eye(3), [[0, 1, 2]]))) is Mesh
+
+
+def test_the_laplacian_of_a_sphere_has_the_eigenvalues_and_the_curvature_of_the_sphere():
+    points = np.random.default_rng(0).normal(size=(2_000, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    ball = PointCloud(points, normals=points)
+    W, A = cotangent_laplacian(ball)
+    assert abs(W - W.T).max() < 1e-9
+    assert abs(W.sum(axis=1)).max() < 1e-9
+    assert A.diagonal().sum() == pytest.approx(4 * np.pi, rel=0.1)
+    np.testing.assert_allclose(eigenbasis(ball, 9).values, [0, 2, 2, 2, 6, 6, 6, 6, 6], rtol=0.1)
+    outward = np.einsum("ij,ij->i", delta_coordinates(ball), points)
+    assert np.median(outward) == pytest.approx(2, rel=0.05)  # twice the mean curvature
+
+
+def test_the_laplacian_of_a_square_has_that_of_free_ends_and_sheets_stay_apart():
+    points = np.random.default_rng(1).random((2_000, 3)) * (1, 1, 0)
+    np.testing.assert_allclose(
+        eigenbasis(PointCloud(points, viewpoint=(0, 0, 5)), 4).values,
+        np.pi**2 * np.array([0, 1, 1, 2]),
+        rtol=0.06,
+        atol=1e-9,
+    )
+    two = PointCloud(np.concatenate([points, points + np.array([0, 0, 1])]), normals=[[0, 0, 1]] * 4_000)
+    assert eigenbasis(two, 3).n_components == 2
+    assert uniform_laplacian(two)[0].sum() == 0
+    with pytest.raises(MeshError, match="no three neighbours of the cloud make a triangle"):
+        cotangent_laplacian(PointCloud([[0, 0, 0], [1, 0, 0]]))
+
+
+@pytest.mark.parametrize("params", [sw.Params(feature="wks", n_items=200), sw.Params.thesis(n_items=400)])
+def test_features_and_the_thesis_preset_take_clouds(params):
+    points, face = sampled(shapes.box(4), 3_000)
+    cloud = PointCloud(points, normals=shapes.box(4).face_normals[face])
+    seg = sw.segment(cloud, params.replace(n_segments=6, n_runs=4))
+    assert seg.coverage > 0.95
+    error = sw.metrics.rand_index_error(seg.labels, np.argmax(np.abs(cloud.face_normals) @ np.eye(3), axis=1))
+    assert error < 0.35
+    if seg.simplified is not None:
+        assert 200 < seg.simplified.n_faces <= 400
+        assert seg.simplified.face_areas.sum() == pytest.approx(cloud.face_areas.sum(), rel=0.03)
+
+
+def test_borders_of_clouds_have_lengths_and_cuts_between_them_agree_with_themselves():
+    points, _ = sampled(shapes.grid_square(2, size=2.0), 8_000)
+    cloud = PointCloud(points, normals=[[0, 0, 1]] * 8_000)
+    side = (cloud.points[:, 0] > 1).astype(int)
+    pairs = face_adjacency(cloud)
+    across = pairs[side[pairs[:, 0]] != side[pairs[:, 1]]]
+    assert cloud.seam_lengths(across).sum() == pytest.approx(2, rel=0.15)
+    other = (cloud.points[:, 0] > 1.2).astype(int)
+    assert sw.metrics.cut_discrepancy(side, side, cloud) == 0
+    shift = sw.metrics.cut_discrepancy(side, other, cloud)
+    assert shift == pytest.approx(0.4 / 0.765, rel=0.1)  # there and back
+
+
+def test_a_figure_of_a_cloud_has_a_triangle_a_point():
+    points, _ = sampled(shapes.grid_square(2), 500)
+    cloud = PointCloud(points, viewpoint=(0.5, 0.5, 3))
+    drawing = draw(cloud, labels=(points[:, 0] > 0.5).astype(int))
+    area = np.linalg.norm(np.cross(*np.diff(drawing.corners, axis=1).transpose(1, 0, 2)), axis=1).sum() / 2
+    assert drawing.corners.shape == (500, 3, 3)
+    assert area > 2 * cloud.face_areas.sum()
+    with pytest.raises(ValueError, match="edges and isolines are drawn along faces, and a cloud has none"):
+        draw(cloud, edges=True)
+
+
+def test_an_e57_says_where_the_scanner_stood_for_each_point():
+    scan = "<vectorChild><points recordCount='2'/><pose><translation><x>{}</x><y>2</y><z>3</z></translation>"
+    scan += "</pose></vectorChild>"
+    xml = "<e57Root xmlns='http://www.astm.org/COMMIT/E57/2010-e57-v1.0'><data3D>"
+    xml += scan.format(1) + scan.format("")
+    xml += "</data3D></e57Root>"
+    assert _stations(xml, 4).tolist() == [[1, 2, 3]] * 2 + [[0, 2, 3]] * 2
+    assert _stations(xml, 5) is None  # some were invalid
+    assert _stations("<e57Root>", 4) is None

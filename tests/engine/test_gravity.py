@@ -99,6 +99,15 @@ def test_the_unit_of_a_room_is_named_with_its_factor(rooms, name):
         assert unit.factor * UNITS[name] == pytest.approx(1)
 
 
+@pytest.mark.parametrize("name", ["metres", "inches", "feet", "centimetres"])
+def test_the_unit_of_an_open_room_is_told_by_the_height_of_its_furniture(name):
+    room, _ = datasets.simulate_room(seed=5, voxel=0.05, n_objects=8)
+    ceiling = (room.face_normals[:, 2] < -0.9) & (room.face_centroids[:, 2] > room.bounds[1, 2] - 0.2)
+    open_above = room.part(np.flatnonzero(~ceiling))
+    turned = open_above.vertices[:, [1, 2, 0]]  # y up
+    assert likely_unit(Mesh(turned * UNITS[name], open_above.faces)).name == name
+
+
 def test_axes_measure_what_faces_them():
     axes = large_axes(flipped(block((5.0, 4.0, 2.5), n=40)))[:3]
     assert sorted(round(axis.extent, 1) for axis in axes) == [2.5, 4.0, 5.0]

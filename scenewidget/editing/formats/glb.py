@@ -22,12 +22,14 @@ import numpy.typing as npt
 from scenewidget.editing.formats.common import FormatError, Labels, clean_name
 from scenewidget.editing.formats.seal import SEAL, Contents
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+from scenewidget.engine.readers.colors import to_linear
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.palette import segment_colors
 
 __all__ = ["read", "write"]
 
 UPRIGHT = (-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # quaternion: a quarter turn about x, z becomes −y's
+POINTS = 0  # mode of a primitive
 BYTE, FLOAT, UINT = 5121, 5126, 5125
 COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 MAX_DEPTH = 50
@@ -69,13 +71,12 @@ class _Builder:
             padded = np.full((len(used), 4), 255, dtype=np.uint8)
             padded[:, :3] = mesh.vertex_colors[used]
             attributes["COLOR_0"] = self._accessor(padded, BYTE, "VEC4", 34962)
-        primitive = {
-            "attributes": attributes,
-            "indices": self._accessor(corners.astype("<u4").ravel(), UINT, "SCALAR", 34963),
-            "material": len(self.materials),
-            "mode": 4,
-        }
-        linear = ((color / 255.0) ** 2.2).round(4).tolist()
+        primitive = {"attributes": attributes, "material": len(self.materials), "mode": 4}
+        if mesh.is_cloud:  # of which `used` are the faces themselves
+            primitive["mode"] = POINTS
+        else:
+            primitive["indices"] = self._accessor(corners.astype("<u4").ravel(), UINT, "SCALAR", 34963)
+        linear = to_linear(color).round(4).tolist()
         pbr = {"baseColorFactor": [*linear, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.9}
         self.materials.append({"name": name, "doubleSided": True, "pbrMetallicRoughness": pbr})
         extras = {"segment": label, "faces": self._accessor(faces.astype("<u4"), UINT, "SCALAR", None)}
@@ -244,7 +245,7 @@ def _pieces(content: dict[str, Any], data: bytes, budget: int) -> Iterator[_Piec
             _triangles(content, data, primitive)
             for primitive in _list(meshes[_index(node["mesh"], meshes)], "primitives")
         ]
-        places = np.concatenate([c.mean(axis=1) for c in corners] or [np.empty((0, 3))])
+        places = np.concatenate([np.empty((0, 3)), *(c.mean(axis=1) for c in corners if len(c))])
         budget -= 36 * len(places)
         if budget < 0:  # nodes may share a mesh: a small file can ask for any number of triangles
             raise FormatError("has far more triangles than the mesh")
@@ -262,14 +263,16 @@ def _pieces(content: dict[str, Any], data: bytes, budget: int) -> Iterator[_Piec
 
 
 def _triangles(content: dict[str, Any], data: bytes, primitive: Any) -> FloatArray:
-    """(n, 3, 3) corners."""
-    if not isinstance(primitive, dict) or primitive.get("mode", 4) != 4:
+    """(n, 3, 3) corners, or (n, 1, 3) points."""
+    if not isinstance(primitive, dict) or primitive.get("mode", 4) not in (4, POINTS):
         return np.empty((0, 3, 3))
     if "KHR_draco_mesh_compression" in (primitive.get("extensions") or {}):
         raise FormatError("is compressed with Draco; export it without compression")
     places = _array(content, data, primitive["attributes"]["POSITION"], 3).astype(np.float64)
     if not np.isfinite(places).all():
         raise FormatError("has places that are not numbers")
+    if primitive.get("mode", 4) == POINTS:
+        return places[:, None]
     if "indices" not in primitive:
         return places[: len(places) // 3 * 3].reshape(-1, 3, 3)
     indices = _array(content, data, primitive["indices"], 1).astype(np.int64).ravel()

@@ -52,8 +52,8 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
         vertices["n" + "xyz"[k]] = normals[:, k]
         vertices[("red", "green", "blue")[k]] = seen[:, k]
     vertices["label"] = labels
-    faces = np.zeros(mesh.n_faces, dtype=[("n", "u1"), ("corners", "(3,)<i4")])
-    faces["n"], faces["corners"] = 3, mesh.faces
+    faces = np.zeros(0 if mesh.is_cloud else mesh.n_faces, dtype=[("n", "u1"), ("corners", "(3,)<i4")])
+    faces["n"], faces["corners"] = 3, mesh.faces[: len(faces)]
     header = [
         "ply",
         "format binary_little_endian 1.0",
@@ -61,7 +61,7 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
         f"element vertex {mesh.n_vertices}",
     ]
     header += [f"property {type_} {name}" for name, type_, _ in columns]
-    header += [f"element face {mesh.n_faces}", "property list uchar int vertex_indices", "end_header\n"]
+    header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header\n"]
     rows = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f"<!-- {SEAL} -->",

@@ -42,8 +42,15 @@ _CLOUD_READERS: dict[str, Callable[[Path, Notes], Scan]] = {
     "las": las.read,
     "laz": las.read,
     "e57": e57.read,
+    "glb": gltf.read,
+    "gltf": gltf.read,
+    "obj": obj.read,
     **dict.fromkeys(("xyz", "pts", "asc", "txt", "csv"), table.read),
 }
+
+
+class _NoFacesError(MeshError):
+    """There are vertices at most."""
 
 
 def load_mesh(
@@ -196,6 +203,11 @@ def load(
         kind = kind_of(path, (*MESHES, *CLOUDS))
         if kind not in _READERS or (kind == "ply" and not ply.has_faces(path)):
             return load_cloud(path, strict=strict, units=units)
+        if kind in _CLOUD_READERS:
+            try:
+                return load_mesh(path, strict=strict, units=units)
+            except _NoFacesError:
+                return load_cloud(path, strict=strict, units=units)
     return load_mesh(source, strict=strict, units=units)
 
 
@@ -216,6 +228,8 @@ def _cloud_of(
     lost_precision(scan.vertices, notes)
     chosen = slice(None) if kept is None else kept
     viewpoint = scan.viewpoint
+    if viewpoint is not None and viewpoint.ndim == 2 and kept is not None:
+        viewpoint = viewpoint[kept]
     points = scan.vertices[chosen]
     factor, line = scale_of(points, units)
     if line:
@@ -240,7 +254,7 @@ def _load_file(path: Path, notes: Notes, strict: bool) -> Mesh:
     if scan.n_polygons == 0:
         what = "points" if len(scan.vertices) else "nothing, or only curves"
         hint = "sw.load_cloud reads it as a point cloud" if len(scan.vertices) else "a surface mesh is needed"
-        raise MeshError(f"{path.name!r} holds no triangles, only {what}; {hint}")
+        raise _NoFacesError(f"{path.name!r} holds no triangles, only {what}; {hint}")
     lost_precision(scan.vertices, notes)
     return _mesh_of(scan, notes, strict, repr(path.name), str(path.absolute()))
 

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 
-from scenewidget.engine.mesh import MeshError
+from scenewidget.engine.mesh import FloatArray, MeshError
 from scenewidget.engine.readers.colors import as_bytes
 from scenewidget.engine.readers.scan import Notes, Scan
 
 __all__ = ["read"]
+
+SPACE = "{http://www.astm.org/COMMIT/E57/2010-e57-v1.0}"
 
 
 def read(path: Path, notes: Notes) -> Scan:
@@ -38,4 +42,22 @@ def read(path: Path, notes: Notes) -> Scan:
     colors = np.asarray(getattr(found, "color", None) if getattr(found, "color", None) is not None else [])
     if colors.size and colors.reshape(-1, 3).shape[0] == len(scan.vertices):
         scan.colors = as_bytes(colors.reshape(-1, 3), notes)
+    scan.viewpoint = _stations(e57.raw_xml(str(path)), len(scan.vertices))
     return scan
+
+
+def _stations(xml: Any, n: int) -> FloatArray | None:
+    """(n, 3) where the scanner stood for each point, where the file gives the pose of all its scans."""
+    try:
+        root: Any = ElementTree.fromstring(xml)
+        scans = root.findall(f"{SPACE}data3D/{SPACE}vectorChild")
+        counts = [int(scan.find(f"{SPACE}points").get("recordCount")) for scan in scans]
+        places = [
+            [float(scan.find(f"{SPACE}pose/{SPACE}translation/{SPACE}{axis}").text or 0) for axis in "xyz"]
+            for scan in scans
+        ]
+    except (ElementTree.ParseError, AttributeError, TypeError, ValueError):
+        return None
+    if sum(counts) != n or not np.isfinite(places).all():  # some points were said to be invalid
+        return None
+    return np.repeat(np.array(places, dtype=np.float64).reshape(-1, 3), counts, axis=0)

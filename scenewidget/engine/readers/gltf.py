@@ -232,9 +232,12 @@ class _Part:
 
 def _read(file: _File) -> Scan:
     parts = list(_parts(file))
-    parts = [part for part in parts if part.triangles]
-    if not parts:
-        return Scan(np.empty((0, 3)))
+    surfaces = [part for part in parts if part.triangles]
+    if not surfaces:
+        return _points(file, parts)
+    if len(surfaces) < len(parts):
+        file.notes.say("the file also holds points or lines, which are left out")
+    parts = surfaces
     vertices = np.concatenate([part.vertices for part in parts])
     shift = np.cumsum([0, *(len(part.vertices) for part in parts)])
     corners = [t + s for part, s in zip(parts, shift.tolist()) for t in part.triangles]
@@ -245,6 +248,14 @@ def _read(file: _File) -> Scan:
             file.notes.say(f"{bare} of {len(parts)} parts have no colours and are white")
         white = [np.full((len(part.vertices), 3), 255, np.uint8) for part in parts]
         scan.colors = np.concatenate([w if p.colors is None else p.colors for p, w in zip(parts, white)])
+    return scan
+
+
+def _points(file: _File, parts: list[_Part]) -> Scan:
+    """Vertices of parts without triangles, as a cloud."""
+    scan = Scan(np.concatenate([np.empty((0, 3)), *(part.vertices for part in parts)]), is_single=True)
+    if parts and all(part.colors is not None for part in parts):
+        scan.colors = np.concatenate([part.colors for part in parts if part.colors is not None])
     return scan
 
 
@@ -286,7 +297,7 @@ def _mesh(file: _File, index: Any, matrix: FloatArray) -> Iterator[_Part]:
     is_mirrored = np.linalg.det(matrix[:3, :3]) < 0
     for number, primitive in enumerate(file.entry("meshes", index).get("primitives", [])):
         mode = primitive.get("mode", 4)
-        if mode not in (4, 5, 6):
+        if mode not in (0, 4, 5, 6):
             file.notes.say("the file also holds points or lines, which are left out")
             continue
         attributes, triangles = _geometry(file, primitive, mode)
@@ -301,6 +312,10 @@ def _mesh(file: _File, index: Any, matrix: FloatArray) -> Iterator[_Part]:
             by_positions[key] = _Part(moved)
         part = by_positions[key]
         n = len(part.vertices)
+        if mode == 0:
+            nothing = np.empty((0, 3), dtype=np.int64)
+            hues.setdefault(key, []).append((nothing, _colors(file, primitive, attributes, nothing, n)))
+            continue
         if triangles is None:
             triangles = _assembled(np.arange(n), mode)
         if is_mirrored:
@@ -332,7 +347,7 @@ def _geometry(file: _File, primitive: dict[str, Any], mode: int) -> tuple[dict[s
     draco = primitive.get("extensions", {}).get(DRACO)
     if draco is not None and "bufferView" not in file.entry("accessors", attributes["POSITION"]):
         return _undraco(file, draco, attributes)
-    if "indices" not in primitive:
+    if "indices" not in primitive or mode == 0:
         return attributes, None
     index = file.accessor(primitive["indices"], "indices")
     if index.dtype.kind != "u" or index.shape[1] != 1:
