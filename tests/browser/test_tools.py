@@ -331,4 +331,4 @@ def test_a_lasso_draws_segments_and_a_distance_is_measured(editor):
     editor.click((x - 20, y))
     editor.click((x + 20, y))
     editor.root.get_by_text(re.compile(r"Distance \d+\.\d+ c?m")).wait_for()
-    assert re.fullmatch(r"\d+\.\d+ c?m", editor.root.locator(".sw-outline-label").inner_text())
+    assert re.fullmatch(r"\d+\.\d+ c?m", editor.root.locator(".sw-outline-label").text_content())
