@@ -17,7 +17,6 @@ from scenewidget.exercises.judging import (
 
 __all__ = ["EXERCISES"]
 
-EXTENT = (205.0, 98.0, 157.0)
 N_EDITS, N_UNDONE = 7, 3
 AREAS = (14.0, 6.0, 4.0, 1.0)
 

@@ -214,7 +214,7 @@ def test_scannets_own_algorithm_reads_its_files(tmp_path):
     assert set(expected[ids == 0].tolist()) <= {-1}
     data = json.loads(aggregation.read_text())
     assert data.keys() == {"sceneId", "appId", "seal", "segGroups", "segmentsFile"}
-    assert data["segGroups"][0].keys() == {"id", "objectId", "segments", "label"}
+    assert data["segGroups"][0].keys() == {"id", "objectId", "segments", "label", "obb"}
     assert data["segmentsFile"] == "scene0000_00.segs.json"
     assert json.loads(segs.read_text()).keys() == {"params", "seal", "sceneId", "segIndices"}
     assert len(set(json.loads(segs.read_text())["segIndices"])) > len(data["segGroups"])  # base segments
