@@ -33,7 +33,7 @@ from scenewidget.widget.deprecation import keywords_after
 from scenewidget.widget.observing import FaultTolerant
 from scenewidget.widget.page import make_page
 from scenewidget.widget.segment_colors import SegmentColors
-from scenewidget.widget.upright import checked_up, up_vector
+from scenewidget.widget.upright import AXES, checked_up, told_up
 from scenewidget.widget.wire import compact, geometry, header, unit_codes, unlabeled_as_most, unpacked
 
 __all__ = ["SceneView"]
@@ -219,6 +219,8 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
 
     # --- between this class and its front end -----------------------------------------------------
 
+    _asks_up = traitlets.Bool(False).tag(sync=True)
+    """Whether a bar asks which way is up."""
     _up = traitlets.List(traitlets.Float(), [0.0, 0.0, 1.0]).tag(sync=True)
     """Unit vector."""
     _camera = traitlets.Dict().tag(sync=True)
@@ -279,6 +281,8 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
     _family_colors = traitlets.Bytes().tag(sync=True)
     """(n_pieces, 3) uint8 sRGB."""
 
+    _is_up_told = True
+
     def __init__(self, mesh: Mesh, **options: Any) -> None:
         if not isinstance(mesh, Mesh):
             raise TypeError(f"mesh must be a Mesh, got {type(mesh).__name__}; load_mesh(mesh) makes one")
@@ -309,6 +313,23 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
             **options,
         )
 
+        self.on_msg(self._hear_of_up)
+
+    def ask_up(self) -> None:
+        """Let a bar over the picture ask which way is up, where neither the surface nor anybody told."""
+        self._asks_up = not self._is_up_told
+
+    def _hear_of_up(self, view: Any, message: Any, buffers: Any) -> None:
+        """An axis turns the picture, and the bar stays until the picture is said to be right."""
+        if not isinstance(message, dict) or (message.get("kind"), message.get("notice")) != ("choose", "up"):
+            return
+        action = message.get("action")
+        if isinstance(action, str) and action in AXES:
+            self.up = action
+            self._asks_up = True
+        elif action == "drop":
+            self._asks_up = False
+
     @traitlets.validate("section")
     def _check_section(self, proposal: Any) -> Any:
         for low, high in proposal["value"]:
@@ -330,7 +351,9 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
 
     @traitlets.observe("up")
     def _take_up(self, change: Any) -> None:
-        self._up = list(up_vector(change["new"], self.mesh))
+        told = told_up(change["new"], self.mesh)
+        self._is_up_told, self._asks_up = told is not None, False
+        self._up = list(told or AXES["z"])
 
     def __repr__(self) -> str:
         segments = f", {self.n_segments} segments" if self._colors.atoms is not None else ""

@@ -154,6 +154,7 @@ class SceneWidget(FaultTolerant, widgets.VBox):
         self._lock = threading.RLock()
         self._previewer = Previewer(self.pipeline, self.view, self._lock)
         self._is_observed = False
+        self.view.ask_up()
         self._autosave = Autosave(self.view, self._lock, autosave, self.restore)
         self._commands = EditCommands(self.view, self._lock, self._autosave, self._take_edit)
         self._commands.vocabulary = None if vocabulary is None else chosen_vocabulary(vocabulary)

@@ -12,7 +12,7 @@ from typing import Any
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.orientation import up_direction
 
-__all__ = ["AXES", "checked_up", "up_vector"]
+__all__ = ["AXES", "checked_up", "told_up", "up_vector"]
 
 AXES: dict[str, tuple[float, float, float]] = {
     "x": (1.0, 0.0, 0.0),
@@ -56,10 +56,23 @@ def up_vector(up: Any, mesh: Mesh) -> tuple[float, float, float]:
     >>> up_vector("-y", analytic.square(2))
     (0.0, -1.0, 0.0)
     """
+    return told_up(up, mesh) or AXES["z"]
+
+
+def told_up(up: Any, mesh: Mesh) -> tuple[float, float, float] | None:
+    """As `up_vector`, None where a person has to be asked.
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> told_up("auto", analytic.square(2)) is None
+    True
+    """
     if up == "auto":
         found = up_direction(mesh)
-        up = "z" if found is None else tuple(found.tolist())
-        up = next((axis for axis in AXES.values() if found is not None and found @ axis > ALIGNED), up)
+        if found is None:
+            return None
+        up = next((axis for axis in AXES.values() if found @ axis > ALIGNED), tuple(found.tolist()))
     x, y, z = AXES[up] if isinstance(up, str) else up
     length = math.hypot(x, y, z)
     return x / length, y / length, z / length

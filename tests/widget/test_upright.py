@@ -26,6 +26,23 @@ def turned(mesh: Mesh, up: str) -> Mesh:
     return Mesh(mesh.vertices @ np.stack([x, np.cross(z, x), z]), mesh.faces)
 
 
+def test_where_nothing_tells_a_bar_asks_until_the_picture_is_said_to_be_right():
+    view = SceneView(grid_square(4))
+    assert not view._asks_up  # a picture alone asks nobody
+    view.ask_up()
+    assert view._asks_up
+    view._hear_of_up(view, {"kind": "choose", "notice": "up", "action": "-y"}, [])
+    assert (view._asks_up, view.up, view._up) == (True, "-y", [0, -1, 0])
+    for nonsense in ("sideways", None, ["x"]):
+        view._hear_of_up(view, {"kind": "choose", "notice": "up", "action": nonsense}, [])
+    assert view.up == "-y"
+    view._hear_of_up(view, {"kind": "choose", "notice": "up", "action": "drop"}, [])
+    assert not view._asks_up
+    said = SceneView(grid_square(4), up="y")
+    said.ask_up()
+    assert not said._asks_up
+
+
 def test_rooms_are_upright_whichever_axis_is_up(rooms):
     assert [up_vector("auto", turned(room, up)) for room, up in zip(2 * rooms, AXES)] == list(AXES.values())
 

@@ -28,6 +28,24 @@ export const ASIDE = {
 };
 
 /**
+ * When nothing tells which way is up: each axis turns the picture, until somebody says that it is right.
+ * @type {Notice}
+ */
+export const UP = {
+  key: "up",
+  text: "Which way is up? The scan doesn't tell. Turn it until it stands.",
+  actions: [
+    ["+x", "x"],
+    ["−x", "-x"],
+    ["+y", "y"],
+    ["−y", "-y"],
+    ["+z", "z"],
+    ["−z", "-z"],
+    ["It stands", "drop"],
+  ],
+};
+
+/**
  * When nobody answers edits.
  * @param {{ age: number, operations: unknown[] }} pending
  * @param {boolean} isLive

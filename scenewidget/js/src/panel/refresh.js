@@ -4,7 +4,7 @@ import { faceValues } from "../labels/face_values.js";
 import { readMesh } from "../scene/mesh.js";
 import { listen } from "../wire/listen.js";
 import { GROUPS } from "../wire/traits.js";
-import { ASIDE, CUT_OFF, GONE, lostEdits } from "./notices.js";
+import { ASIDE, CUT_OFF, GONE, lostEdits, UP } from "./notices.js";
 import { panelState } from "./state.js";
 
 /** @typedef {keyof typeof GROUPS} Group */
@@ -85,7 +85,8 @@ export function createRefresh(around) {
     if (wait !== null) lostTimer = setTimeout(takeState, wait);
     const why = connection.isCutOff() ? CUT_OFF : GONE;
     const gone = isLive || lost.length > 0 ? [] : [why]; // one bar says that the kernel is gone
-    return [...gone, ...(context.isAside() ? [ASIDE] : []), ...lost];
+    const question = isLive && model.get("_asks_up") ? [UP] : [];
+    return [...gone, ...(context.isAside() ? [ASIDE] : []), ...lost, ...question];
   }
 
   const takeSome = (/** @type {Group[]} */ ...groups) => take(new Set(groups));

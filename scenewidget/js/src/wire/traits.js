@@ -14,7 +14,7 @@ export const GROUPS = {
   values: arrays(VALUES),
   state: [
     ...["color_by", "color_mix", "errors_title", "values_legend", "outlines", "back_faces", "section"],
-    "offers_borders",
+    ...["offers_borders", "_asks_up"],
     ...["height", "segment_list", "mode", "editable", "vocabulary", "quick_names"],
     ...["busy", "progress", "status", "error", "save_state", "save_note", "notices"],
     ...["undo_title", "redo_title", "history_shown", "history", "n_done"],
