@@ -108,7 +108,7 @@ def test_ctrl_c_leaves_whole_files_and_the_next_run_goes_on(capsys, scans, tmp_p
 
 @pytest.mark.skipif(sys.platform == "win32", reason="has no such signal")
 def test_a_real_ctrl_c_in_the_middle_of_a_scan(scans, tmp_path):
-    write(corner(120), scans / "large.off")  # 57 600 faces take some seconds
+    write(corner(240), scans / "large.off")  # 230 400 faces take some seconds
     (scans / "broken.off").unlink()
     code = "import sys; from scenewidget.command_line import main; sys.exit(main(sys.argv[1:]))"
     words = ["segment", str(scans), "--out", str(tmp_path / "out"), "--verbose"]

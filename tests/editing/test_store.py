@@ -114,7 +114,7 @@ def test_everything_about_the_segmentation_is_kept(tmp_path):
 
 
 def test_the_mesh_is_found_again(tmp_path, monkeypatch):
-    mesh = shapes.box(4)
+    mesh = shapes.box(4, size=(1.0, 1.37, 2.11))  # of no other test
     scan = tmp_path / "scan.ply"
     scan.write_bytes(
         trimesh.exchange.ply.export_ply(trimesh.Trimesh(mesh.vertices, mesh.faces, process=False))

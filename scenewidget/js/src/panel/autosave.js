@@ -47,8 +47,8 @@ export function createAutosave(send, leave) {
       if (signature === shown) return;
       shown = signature;
       bars.replaceChildren(
-        ...notices.map(({ key, text, actions }) =>
-          element("div", { class: "sw-notice", role: "alert", "data-key": key }, [
+        ...notices.map(({ key, text, actions, asks }) =>
+          element("div", { class: "sw-notice", "data-key": key, ...roleOf(asks) }, [
             element("span", { class: "sw-notice-text" }, [text]),
             ...actions.map(([label, action]) => {
               const choice = textButton(label);
@@ -63,4 +63,13 @@ export function createAutosave(send, leave) {
       );
     },
   };
+}
+
+/**
+ * What is amiss interrupts whoever listens; a question waits.
+ * @param {string} [asks]
+ * @returns {Record<string, string>}
+ */
+function roleOf(asks) {
+  return asks ? { role: "group", "aria-label": asks } : { role: "alert" };
 }

@@ -2,7 +2,10 @@
 
 import { counted } from "../labels/description.js";
 
-/** @typedef {{ key: string, text: string, actions: Array<[string, string]> }} Notice */
+/**
+ * @typedef {{ key: string, text: string, actions: Array<[string, string]>, asks?: string }} Notice
+ *   asks: what a question is about; without it, something is amiss
+ */
 
 const LOST_MS = 8000; // an answer that takes longer may never come
 
@@ -33,6 +36,7 @@ export const ASIDE = {
  */
 export const UP = {
   key: "up",
+  asks: "Which way is up",
   text: "Which way is up? The scan doesn't tell. Turn it until it stands.",
   actions: [
     ["+x", "x"],

@@ -7,6 +7,8 @@ import { GROUPS } from "../wire/traits.js";
 import { ASIDE, CUT_OFF, GONE, lostEdits, UP } from "./notices.js";
 import { panelState } from "./state.js";
 
+const LEAST_TO_ASK = 320; // pixels of a picture that has room for a question
+
 /** @typedef {keyof typeof GROUPS} Group */
 
 /**
@@ -85,7 +87,8 @@ export function createRefresh(around) {
     if (wait !== null) lostTimer = setTimeout(takeState, wait);
     const why = connection.isCutOff() ? CUT_OFF : GONE;
     const gone = isLive || lost.length > 0 ? [] : [why]; // one bar says that the kernel is gone
-    const question = isLive && model.get("_asks_up") ? [UP] : [];
+    const isRoomy = model.get("height") >= LEAST_TO_ASK;
+    const question = isLive && isRoomy && model.get("_asks_up") ? [UP] : [];
     return [...gone, ...(context.isAside() ? [ASIDE] : []), ...lost, ...question];
   }
 
