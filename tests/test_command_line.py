@@ -111,6 +111,8 @@ def test_a_real_ctrl_c_in_the_middle_of_a_scan(scans, tmp_path):
     write(corner(240), scans / "large.off")  # 230 400 faces take some seconds
     (scans / "broken.off").unlink()
     code = "import sys; from scenewidget.command_line import main; sys.exit(main(sys.argv[1:]))"
+    # what is started in the background of a shell inherits that SIGINT is ignored
+    code = f"import signal; signal.signal(signal.SIGINT, signal.default_int_handler); {code}"
     words = ["segment", str(scans), "--out", str(tmp_path / "out"), "--verbose"]
     run = subprocess.Popen([sys.executable, "-c", code, *words], stderr=subprocess.PIPE, text=True)
     for line in run.stderr:
