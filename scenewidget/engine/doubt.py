@@ -20,7 +20,7 @@ from scenewidget.engine.evidence import agreement_of_groups, counted_together
 from scenewidget.engine.kernels import kernel
 from scenewidget.engine.linkage import average_linkage
 from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
-from scenewidget.engine.moments import Moments
+from scenewidget.engine.moments import Moments, mean_normals
 from scenewidget.engine.pieces import Pieces
 
 __all__ = [
@@ -517,9 +517,7 @@ def measure_borders(pieces: Pieces, by_graph: IntArray | None, by_medoids: IntAr
     is_first = segments.area[first] <= segments.area[second]
     smaller, larger = np.where(is_first, first, second), np.where(is_first, second, first)
     _, vectors = segments.principal()
-    facing = np.stack([np.bincount(pieces.segment, v, n) for v in pieces.vectors.T], axis=1)
-    size = np.linalg.norm(facing, axis=1, keepdims=True)
-    facing = np.divide(facing, size, out=np.zeros_like(facing, dtype=float), where=size > 0)
+    facing = mean_normals(pieces.vectors, pieces.segment, n)
     together = [_agreement(pieces, keys, n)[first, second] for keys in (by_graph, by_medoids)]
     return Borders(
         first,
@@ -566,8 +564,7 @@ def measure_gaps(pieces: Pieces, by_graph: IntArray | None) -> Gaps:
     n = int(pieces.segment.max(initial=-1)) + 1
     segments = pieces.moments.gather(pieces.segment, n)
     plane = segments.principal()[1][:, :, 0]
-    facing = np.stack([np.bincount(pieces.segment, v, n) for v in pieces.vectors.T], axis=1)
-    facing = facing / np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-300)
+    facing = mean_normals(pieces.vectors, pieces.segment, n)
     may = np.triu(facing @ facing.T > ONE_WAY, 1)
     is_small = segments.area < SMALLEST * max(float(segments.area.sum()), 1e-300)
     may[is_small] = may[:, is_small] = False

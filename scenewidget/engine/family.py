@@ -176,7 +176,6 @@ def make_family(
     co: CoAssociation,
     *,
     min_area: float = 0.0,
-    bridges: IntArray | None = None,
 ) -> Family:
     """The nested family that runs through a segmentation.
 
@@ -191,8 +190,6 @@ def make_family(
     min_area : float
         Smaller pieces (m² in a room, square units of a smaller scene) go to the piece of their segment that
         they agree with most, neighbours first.
-    bridges : (n, 2) int32, optional
-        `pieces.close_borders` of the mesh, if they are at hand.
 
     Returns
     -------
@@ -254,7 +251,6 @@ def make_family(
             items.to_faces(piece, -1),
             items.to_faces(co.base, -1),
             scale=items.scale,
-            bridges=bridges,
         ),
         np.bincount(piece[keep], seen[keep], len(kept)).astype(np.float64),
         items,

@@ -214,6 +214,11 @@ class Mesh:
         return _read_only(_welded(self))
 
     @cached_property
+    def _close_borders(self) -> dict[float, IntArray]:
+        """Found so far, by scale of the scene; `pieces.close_borders` fills it."""
+        return {}
+
+    @cached_property
     def is_used(self) -> BoolArray:
         """(n_vertices,) whether a face has the vertex; others may lie anywhere."""
         is_used = np.zeros(self.n_vertices, dtype=np.bool_)

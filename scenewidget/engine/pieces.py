@@ -103,10 +103,8 @@ def make_pieces(
     mesh: Mesh,
     labels: IntArray,
     base: IntArray,
-    adjacency: IntArray | None = None,
     *,
     scale: float | None = None,
-    bridges: IntArray | None = None,
 ) -> Pieces:
     """The graph of pieces of a segmentation.
 
@@ -115,12 +113,8 @@ def make_pieces(
     mesh : Mesh
     labels, base : (n_faces,) int
         Segment and base segment of each face, −1 for none.
-    adjacency : (n, 2) int32, optional
-        `face_adjacency` of the mesh, if it is at hand: half of the time.
     scale : float, optional
         Metres in a unit of the scene; by default that of its surface, see `scale.scene_scale`.
-    bridges : (n, 2) int32, optional
-        `close_borders` of the mesh, if they are at hand.
 
     Returns
     -------
@@ -148,9 +142,7 @@ def make_pieces(
     first_face = np.zeros(n, dtype=np.int64)
     first_face[index[::-1]] = np.flatnonzero(keep)[::-1]
     vectors = np.stack([np.bincount(index, v[keep], n) for v in mesh.face_vectors.T], axis=1)
-    adjacency = face_adjacency(mesh) if adjacency is None else adjacency
-    bridges = close_borders(mesh, adjacency, scale) if bridges is None else bridges
-    pairs, length = _seams(mesh, face_piece, n, adjacency, bridges)
+    pairs, length = _seams(mesh, face_piece, n, face_adjacency(mesh), close_borders(mesh, scale))
     return Pieces(
         labels,
         face_piece,
@@ -166,14 +158,14 @@ def make_pieces(
     )
 
 
-def close_borders(mesh: Mesh, adjacency: IntArray, scale: float) -> IntArray:
+def close_borders(mesh: Mesh, scale: float) -> IntArray:
     """(n, 2) int32 faces at borders of different fragments so near to each other that they touch.
+
+    Like the neighbours of its faces, the mesh keeps them: other labels need no other ones.
 
     Parameters
     ----------
     mesh : Mesh
-    adjacency : (n, 2) int32
-        `face_adjacency` of the mesh.
     scale : float
         Metres in a unit of the scene.
 
@@ -181,14 +173,16 @@ def close_borders(mesh: Mesh, adjacency: IntArray, scale: float) -> IntArray:
     --------
     >>> import scenewidget as sw
     >>> from scenewidget.datasets.analytic import square
-    >>> from scenewidget.engine.mesh import face_adjacency
     >>> from scenewidget.engine.pieces import close_borders
     >>> one = square(1, size=0.03)
     >>> mesh = sw.Mesh([*one.vertices, *(one.vertices + [0.031, 0, 0])], [*one.faces, *(one.faces + 4)])
-    >>> close_borders(mesh, face_adjacency(mesh), 1.0).tolist()
+    >>> close_borders(mesh, 1.0).tolist()
     [[0, 2], [0, 3]]
     """
-    return find_bridges(mesh, adjacency, BRIDGE * scale)
+    known = mesh._close_borders
+    if scale not in known:
+        known[scale] = find_bridges(mesh, face_adjacency(mesh), BRIDGE * scale)
+    return known[scale]
 
 
 def _seams(

@@ -55,7 +55,6 @@ from scenewidget.engine.monitor import Monitor
 from scenewidget.engine.operators import Eigenbasis, eigenbasis
 from scenewidget.engine.orientation import Orientation, oriented, warn_of_mixed_winding
 from scenewidget.engine.params import Params
-from scenewidget.engine.pieces import close_borders
 from scenewidget.engine.segmentation import Segmentation, segmentation_of_items
 from scenewidget.engine.threads import n_threads
 
@@ -223,7 +222,7 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
     if asked is not None or p.granularity is not None:
         if p.consensus != "linkage":
             step("tree", _tree, "coassociation")
-        step("nested", _nested, "mesh", "adjacency", "items", "coassociation", "tree", "segmentation",
+        step("nested", _nested, "items", "coassociation", "tree", "segmentation",
              recalls="items", **tidy)
         step("family", _family, "nested", through=asked)
         step("granularity", _granularity, "family",
@@ -464,13 +463,7 @@ def _segmentation(
     )
 
 
-def _bridges(mesh: Mesh, adjacency: IntArray, items: Items, recall: Recall) -> IntArray:
-    return recall("close borders", lambda: close_borders(mesh, adjacency, items.scale))
-
-
 def _nested(
-    mesh: Mesh,
-    adjacency: IntArray,
     items: Items,
     co: CoAssociation,
     tree: FloatArray,
@@ -486,8 +479,7 @@ def _nested(
     fine = tidied(
         items, fine, min_area=min_area, **tidy, n_threads=n_threads(), recall=recall, monitor=monitor
     )
-    bridges = _bridges(mesh, adjacency, items, recall)
-    return make_family(segmentation, fine, co, min_area=min_area, bridges=bridges)
+    return make_family(segmentation, fine, co, min_area=min_area)
 
 
 def _family(family: Family, *, monitor: Monitor, through: int | None) -> Family:

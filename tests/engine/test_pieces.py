@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 import scenewidget as sw
 from scenewidget.datasets.analytic import square
-from scenewidget.engine.mesh import face_adjacency
 from scenewidget.engine.pieces import make_pieces
 
 
@@ -48,7 +47,7 @@ def test_pieces_are_base_segments_within_segments(seed):
     rng = np.random.default_rng(seed)
     labels = rng.integers(-1, 3, mesh.n_faces).astype(np.int32)
     base = rng.integers(-1, 4, mesh.n_faces)
-    pieces = make_pieces(mesh, labels, base, face_adjacency(mesh))
+    pieces = make_pieces(mesh, labels, base)
     keep = (labels >= 0) & (base >= 0)
     assert ((pieces.face_piece >= 0) == keep).all()
     inside = pieces.face_piece[keep]
