@@ -244,10 +244,12 @@ def segment_all(
     ImportError
         Dask isn't there: ``pip install "scenewidget[batch]"``.
 
-    Notes ----- A scan that ends its process, most likely for want of memory, is tried again when nothing
-    else runs, with all the memory there is; what ran beside it is done again and not blamed. Scans that are
-    expected to need more memory than a worker has (0.6 GB and 0.55 kB a face) come last, one at a time, or
-    are reported as "too large" with what they need. The labels don't depend on the number of workers.
+    Notes
+    -----
+    A scan that ends its process, most likely for want of memory, is tried again when nothing else runs, with
+    all the memory there is; what ran beside it is done again and not blamed. Scans that are expected to need
+    more memory than a worker has (0.6 GB and 0.55 kB a face) come last, one at a time, or are reported as
+    "too large" with what they need. The labels don't depend on the number of workers.
 
     Examples
     --------

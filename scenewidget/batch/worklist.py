@@ -72,6 +72,21 @@ class Entry:
         """Whether there is nothing to correct."""
         return "key" not in self.row or not self.row["key"]
 
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What a table says of it: scan, state, doubt, faces, segments, edits, seconds, people, error."""
+        return {
+            "scan": self.scan,
+            "state": "failed" if self.has_failed else self.state,
+            "doubt": self.row.get("doubt"),
+            "faces": self.row.get("faces"),
+            "segments": self.row.get("segments"),
+            "edits": self.edits,
+            "seconds": sum(self.seconds.values()),
+            "people": sorted(self.seconds),
+            "error": self.row.get("error") or "",
+        }
+
 
 class Worklist:
     """All scans of a folder that `segment_all` wrote.
@@ -286,15 +301,8 @@ class Worklist:
         """A row a scan: state, doubt, faces, segments, edits, seconds of work, people, error and errors."""
         rows = [
             {
-                "scan": entry.scan,
-                "state": "failed" if entry.has_failed else entry.state,
-                "doubt": entry.row.get("doubt"),
-                "faces": entry.row.get("faces"),
-                "segments": entry.row.get("segments"),
-                "edits": entry.edits,
-                "seconds": sum(entry.seconds.values()),
+                **entry.facts,
                 "people": ", ".join(sorted(entry.seconds)),
-                "error": entry.row.get("error") or "",
                 "error_before": entry.row.get("rand_index_error"),
                 "error_now": entry.errors.get("rand_index_error"),
             }

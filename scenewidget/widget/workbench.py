@@ -503,15 +503,8 @@ class Workbench(widgets.VBox):
 def _shown(entry: Entry) -> dict[str, Any]:
     """What the page shows of an entry."""
     return {
-        "scan": entry.scan,
-        "state": "failed" if entry.has_failed else entry.state,
-        "doubt": entry.row.get("doubt"),
-        "faces": entry.row.get("faces"),
-        "segments": entry.row.get("segments"),
-        "edits": entry.edits,
+        **entry.facts,
         "seconds": round(sum(entry.seconds.values())),
-        "people": sorted(entry.seconds),
-        "error": entry.row.get("error") or "",
         "before": _number(entry.row.get("rand_index_error")),
         "now": _number(entry.errors.get("rand_index_error")),
     }
