@@ -42,6 +42,10 @@ PROTANOPIA = np.array(
 DEUTERANOPIA = np.array(
     [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
 )
+TRITANOPIA = np.array(
+    [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]]
+)
+RARE = 1.5  # so much less difference will do for tritanopia, which one person in 30,000 has
 
 
 @cache
@@ -261,17 +265,19 @@ def _neighbour_lists(pairs: IntArray, n_segments: int) -> tuple[IntArray, IntArr
 def _differences() -> FloatArray:
     """(n_colors, n_colors) smallest Oklab distance over normal and colour-blind sight."""
     linear = _linear_palette()
-    seen = [linear, np.clip(linear @ PROTANOPIA.T, 0, 1), np.clip(linear @ DEUTERANOPIA.T, 0, 1)]
-    labs = [_oklab(colors) for colors in seen]
-    differences: FloatArray = np.min([np.linalg.norm(lab[:, None] - lab, axis=2) for lab in labs], axis=0)
-    return differences
+    common = (np.eye(3), PROTANOPIA, DEUTERANOPIA)
+    labs = [_oklab(np.clip(linear @ sight.T, 0, 1)) for sight in common]
+    labs.append(RARE * _oklab(np.clip(linear @ TRITANOPIA.T, 0, 1)))
+    differences = np.min([np.linalg.norm(lab[:, None] - lab, axis=2) for lab in labs], axis=0)
+    rounded: FloatArray = np.round(differences, 6)  # so that no processor's last digit decides between two
+    return rounded
 
 
 @cache
 def _loudness() -> FloatArray:
     """(n_colors,) how dark and how saturated."""
     lab = _oklab(_linear_palette())
-    loudness: FloatArray = np.linalg.norm(lab[:, 1:], axis=1) + 0.5 * (0.9 - lab[:, 0])
+    loudness: FloatArray = np.round(np.linalg.norm(lab[:, 1:], axis=1) + 0.5 * (0.9 - lab[:, 0]), 6)
     return loudness
 
 

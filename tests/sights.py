@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from scenewidget.palette import DEUTERANOPIA, PROTANOPIA, _oklab, adjacent_segments
+from scenewidget.palette import DEUTERANOPIA, PROTANOPIA, TRITANOPIA, _oklab, adjacent_segments
 
 SIGHTS = {
     "all colours": np.eye(3),
     "protanopia": PROTANOPIA,
     "deuteranopia": DEUTERANOPIA,
-    "tritanopia": np.array(
-        [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]]
-    ),
+    "tritanopia": TRITANOPIA,
 }
 
 
