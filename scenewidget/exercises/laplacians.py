@@ -166,14 +166,14 @@ def _saddle_complaint(values: list[float]) -> str:
         return "that is a constant; another one is asked for"
     u = u / abs(u).max()
     linear = np.column_stack([x, y, np.ones_like(x)])
-    if abs(u - linear @ np.linalg.lstsq(linear, u)[0]).max() < 1e-6:
+    if abs(u - linear @ np.linalg.lstsq(linear, u, rcond=None)[0]).max() < 1e-6:
         return "that is linear; one that bends is asked for"
     inside = (x > 0) & (x < 1) & (y > 0) & (y < 1)
     L = uniform_laplacian(mesh)
     if abs((L @ u)[inside]).max() < 1e-7:
         return ""
     quadratic = np.column_stack([linear, x**2, x * y, y**2])
-    weights, *_ = np.linalg.lstsq(quadratic, u)
+    weights, *_ = np.linalg.lstsq(quadratic, u, rcond=None)
     if abs(u - quadratic @ weights).max() < 1e-6:
         if abs(weights[4]) > 1e-6 and abs(weights[3] + weights[5]) < 1e-6:
             return (
