@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Any
@@ -173,11 +174,16 @@ def _counted(entry: Entry, scene: str, labels: Segmentation, is_held_out: bool) 
 
 
 def _scene_names(scans: Iterable[str]) -> dict[str, str]:
-    """Scene of each scan: its name without suffix where that is unique, folders joined by underscores."""
+    """Scene of each scan: its name without suffix where that is unique, folders joined by underscores.
+
+    Names that differ only in the case of letters count as one: on many disks they are.
+    """
     names = sorted(scans)
     bare = {scan: Path(scan).with_suffix("").as_posix().replace("/", "_") for scan in names}
-    taken = list(bare.values())
-    return {
-        scan: name if taken.count(name) == 1 else scan.replace("/", "_").replace(".", "_")
-        for scan, name in bare.items()
-    }
+    full = {scan: scan.replace("/", "_").replace(".", "_") for scan in names}
+    marked = {scan: f"{full[scan]}_{hashlib.blake2b(scan.encode()).hexdigest()[:6]}" for scan in names}
+    scenes = {}
+    for choice in (bare, full, marked):
+        taken = Counter(name.casefold() for name in choice.values())
+        scenes = {s: n for s, n in choice.items() if taken[n.casefold()] == 1} | scenes
+    return {scan: scenes[scan] for scan in names}

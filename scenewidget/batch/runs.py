@@ -7,7 +7,7 @@ import math
 import os
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,7 @@ from scenewidget.batch.pools import check_where, open_pool
 from scenewidget.batch.progress import shown
 from scenewidget.batch.rows import COLUMNS, STATUSES
 from scenewidget.batch.schedule import work_through
-from scenewidget.editing.files import FileLock, explain
+from scenewidget.editing.files import FileLock, explain, is_blind_to_case
 from scenewidget.engine.params import Params
 
 if TYPE_CHECKING:
@@ -145,7 +145,7 @@ class Run:
         Raises
         ------
         ValueError
-            Somebody else is writing there.
+            Somebody else is writing there, or two scans would share a folder.
         OSError
             ``out`` can't be written.
         ConnectionError
@@ -153,6 +153,8 @@ class Run:
         """
         lock = _taken(self.out)
         try:
+            if lock is not None:
+                _refuse_shared_folders(Path(self.out), self.scans)
             with open_pool(*self._where, tell=tell) as pool:
                 self._start = time.monotonic()
 
@@ -389,3 +391,17 @@ def _taken(out: str) -> FileLock | None:
     if holder:
         raise ValueError(f"{out!r} is being written by {holder}; wait for it, or choose another folder")
     return lock
+
+
+def _refuse_shared_folders(folder: Path, scans: Iterable[str]) -> None:
+    """Raise if two scans' results would go into one folder, as on disks that don't tell a from A."""
+    if not is_blind_to_case(folder):
+        return
+    spelled: dict[str, str] = {}
+    for scan in scans:
+        other = spelled.setdefault(scan.casefold(), scan)
+        if other != scan:
+            raise ValueError(
+                f"{other!r} and {scan!r} would share a folder in {str(folder)!r}, whose disk doesn't tell "
+                "capital from small letters; rename one of them, or choose a place on another disk"
+            )

@@ -102,7 +102,7 @@ class Worklist:
     Raises
     ------
     ValueError
-        Nothing of ours is there.
+        Nothing of ours is there, or somebody else has files of the same name.
 
     Examples
     --------
@@ -120,12 +120,24 @@ class Worklist:
         self.refresh()
         if not self.entries:
             raise ValueError(f"no results in {str(out)!r}: give the folder that segment_all wrote")
+        if own:
+            self._refuse_namesake()
 
     def refresh(self) -> None:
         """Read again what others may have done since."""
         folders = {path.parent for name in (ROW, FAILED) for path in self.out.rglob(name)}
         entries = [entry for folder in sorted(folders) if (entry := self._read(folder)) is not None]
         self.entries = {entry.scan: entry for entry in entries}
+
+    def _refuse_namesake(self) -> None:
+        """Raise if somebody else's copies have the same file names, which some disks say of Ann and ann."""
+        for entry in self.entries.values():
+            other = (_json(entry.folder / self._work_name, is_row=False) or {}).get("by", self.person)
+            if other != self.person:
+                raise ValueError(
+                    f"person {self.person!r} would write into the copies of {other!r}: "
+                    "their files have the same names here; give another name"
+                )
 
     def reread(self, scan: str) -> Entry:
         """One entry as it is on disk now."""

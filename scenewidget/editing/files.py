@@ -11,6 +11,7 @@ import errno
 import glob
 import json
 import os
+import re
 import secrets
 import shutil
 import socket
@@ -25,6 +26,7 @@ __all__ = [
     "Handle",
     "checked_path",
     "explain",
+    "is_blind_to_case",
     "real",
     "replacing",
     "replacing_all",
@@ -48,6 +50,13 @@ def checked_path(path: object) -> Path:
 def real(path: Path) -> Path:
     """Where a path leads: absolute, links followed."""
     return Path(os.path.realpath(path))
+
+
+def is_blind_to_case(folder: Path) -> bool:
+    """Whether capital and small letters make no difference in names there; False if nothing tells."""
+    names = {path.name for path in folder.iterdir()}
+    others = (name.swapcase() for name in names)
+    return any((folder / name).exists() for name in others if name not in names)
 
 
 @contextlib.contextmanager
@@ -74,6 +83,8 @@ def replacing_all(paths: Sequence[Path]) -> Iterator[list[Path]]:
     OSError
         A folder can't be written, the disk is full, …; the message says what stays.
     """
+    for path in paths:
+        _refuse_device(path)
     places = [real(path) for path in paths]
     for place in places:
         _sweep(place)
@@ -88,7 +99,7 @@ def replacing_all(paths: Sequence[Path]) -> Iterator[list[Path]]:
             for current, temporary in zip(places, temporaries, strict=True):
                 old = _second_name(current) if len(places) > 1 else None
                 replaced.append((current, old))
-                temporary.replace(current)
+                _take_place(temporary, current)
         except OSError:
             for place, old in replaced[:-1]:
                 place.unlink() if old is None else old.replace(place)
@@ -139,11 +150,33 @@ def _sync(path: Path) -> None:
         os.close(descriptor)
 
 
-HELD_ON_WINDOWS = (
-    5,
-    32,
-    33,
-)  # what replacing a file says there while somebody has it open: denied, shared, locked
+ON_WINDOWS = os.name == "nt"
+HELD_ON_WINDOWS = (5, 32, 33)  # what replacing a file says there while somebody has it open
+PATIENCE = 2.0  # seconds for which a scanner of viruses or an index may have a new file open
+DEVICES = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9\u00b9\u00b2\u00b3])\s*(\..*)?", re.IGNORECASE)
+
+
+def _take_place(temporary: Path, place: Path) -> None:
+    """Rename a file; on Windows, wait a little for whoever has one of the two open just now."""
+    end = time.monotonic() + PATIENCE
+    while True:
+        try:
+            temporary.replace(place)
+            return
+        except PermissionError as error:
+            is_held = getattr(error, "winerror", None) in HELD_ON_WINDOWS
+            if not is_held or time.monotonic() > end:
+                raise
+        time.sleep(0.05)
+
+
+def _refuse_device(path: Path) -> None:
+    """Raise for names that Windows gives to devices or shortens: what is written there would be lost."""
+    name = path.name
+    if ON_WINDOWS and (DEVICES.fullmatch(name) or name != name.rstrip(". ") or set(name) & set('<>:"|?*')):
+        raise OSError(
+            errno.EINVAL, f"can't write {str(path)!r}: Windows has no files of that name; choose another"
+        )
 
 
 def explain(error: OSError, path: Path) -> OSError:

@@ -153,3 +153,12 @@ def test_in_the_background_it_can_be_cancelled(scans, tmp_path, monkeypatch):
     go_on.set()
     assert repr(behind.wait(30)) == "Run(2 scans: 1 done, 1 left)"
     assert not behind.is_running
+
+
+def test_two_scans_do_not_share_a_folder_where_case_makes_no_difference(scans, tmp_path, monkeypatch):
+    (scans / "bath" / "B.ply").write_bytes((scans / "bath" / "a.ply").read_bytes())
+    (scans / "bath" / "b.ply").write_bytes((scans / "bath" / "a.ply").read_bytes())
+    monkeypatch.setattr("scenewidget.batch.runs.is_blind_to_case", lambda folder: True)
+    with pytest.raises(ValueError, match=r"would share a folder in .*, whose disk doesn't tell capital"):
+        run(scans, tmp_path / "out")
+    assert [path.name for path in (tmp_path / "out").iterdir()] == []

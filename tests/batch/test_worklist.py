@@ -7,7 +7,7 @@ import pytest
 import shapes
 
 import scenewidget as sw
-from scenewidget.batch.dataset import export_dataset, split
+from scenewidget.batch.dataset import _scene_names, export_dataset, split
 from scenewidget.batch.worklist import Stopwatch, Worklist
 
 
@@ -117,3 +117,22 @@ def test_a_long_break_is_no_work(monkeypatch):
         clock[0] = now
         spent.append(watch.tick())
     assert spent == [50, 120]
+
+
+def test_two_people_whose_files_would_be_the_same_are_told(out):
+    work = Worklist(out, "Ann B", own=True)
+    work.note("bath/a.ply", state="begun")
+    with pytest.raises(ValueError, match="'Ann_B' would write into the copies of 'Ann B'"):
+        Worklist(out, "Ann_B", own=True)
+    assert Worklist(out, "Ann B", own=True).entries["bath/a.ply"].state == "begun"
+    Worklist(out, "Ann_B")  # a common copy is everybody's
+
+
+def test_scenes_have_names_that_differ_on_every_disk():
+    scans = ["a/Room.ply", "a/room.ply", "a/room.PLY", "b.ply", "b.obj", "c/d.ply", "c_d.ply"]
+    scenes = _scene_names(scans)
+    assert list(scenes) == sorted(scans)
+    assert len({name.casefold() for name in scenes.values()}) == len(scans)
+    assert (scenes["b.ply"], scenes["b.obj"]) == ("b_ply", "b_obj")
+    assert _scene_names(["a/room.ply", "b.ply"]) == {"a/room.ply": "a_room", "b.ply": "b"}
+    assert _scene_names(reversed(scans)) == scenes

@@ -175,3 +175,56 @@ def test_what_another_program_holds_on_windows_stays_and_is_explained(tmp_path, 
     ):
         temporary.write_text("new")
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("room.ply", "old")]
+
+
+def test_what_another_program_holds_for_a_moment_is_waited_for(tmp_path, monkeypatch):
+    path = tmp_path / "room.ply"
+    path.write_text("old")
+    tries = []
+    take = type(path).replace
+
+    def replace(self, target):
+        tries.append(target)
+        if len(tries) < 3:  # as an index or a scanner of viruses does with new files
+            raise WindowsSharingError(13, "Permission denied")
+        return take(self, target)
+
+    monkeypatch.setattr(type(path), "replace", replace)
+    with files.replacing(path) as temporary:
+        temporary.write_text("new")
+    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("room.ply", "new")]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["nul.npz", "CON", "Aux.tar.gz", "com1.ply", "lpt\u00b2.glb", "room.", "room ", "a:b.ply", "who?.ply"],
+)
+def test_names_that_windows_gives_to_devices_are_refused_there(tmp_path, monkeypatch, name):
+    monkeypatch.setattr(files, "ON_WINDOWS", True)
+    with (
+        pytest.raises(OSError, match="Windows has no files of that name; choose another"),
+        files.replacing(tmp_path / name) as temporary,
+    ):
+        temporary.write_text("lost")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "name", ["null.npz", "console.ply", "com.ply", "com10.ply", "a.nul", "r\u00e4ume 2.ply"]
+)
+def test_names_that_only_look_like_devices_are_files(tmp_path, monkeypatch, name):
+    monkeypatch.setattr(files, "ON_WINDOWS", True)
+    with files.replacing(tmp_path / name) as temporary:
+        temporary.write_text("kept")
+    assert (tmp_path / name).read_text() == "kept"
+
+
+def test_a_disk_that_is_blind_to_case_shows_by_another_spelling(tmp_path, monkeypatch):
+    (tmp_path / "12").touch()
+    assert not files.is_blind_to_case(tmp_path)
+    (tmp_path / "scenewidget.lock").touch()
+    exists = type(tmp_path).exists
+    tells = not (tmp_path / "SCENEWIDGET.LOCK").exists()  # not on macOS
+    assert files.is_blind_to_case(tmp_path) != tells
+    monkeypatch.setattr(type(tmp_path), "exists", lambda self: exists(self.with_name(self.name.lower())))
+    assert files.is_blind_to_case(tmp_path)
