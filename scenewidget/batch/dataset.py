@@ -182,7 +182,7 @@ def _scene_names(scans: Iterable[str]) -> dict[str, str]:
     bare = {scan: Path(scan).with_suffix("").as_posix().replace("/", "_") for scan in names}
     full = {scan: scan.replace("/", "_").replace(".", "_") for scan in names}
     marked = {scan: f"{full[scan]}_{hashlib.blake2b(scan.encode()).hexdigest()[:6]}" for scan in names}
-    scenes = {}
+    scenes: dict[str, str] = {}
     for choice in (bare, full, marked):
         taken = Counter(name.casefold() for name in choice.values())
         scenes = {s: n for s, n in choice.items() if taken[n.casefold()] == 1} | scenes
