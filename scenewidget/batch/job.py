@@ -31,7 +31,7 @@ from scenewidget.engine.readers import load
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.evaluation import METRICS, evaluate
 
-__all__ = ["note_failure", "run_job"]
+__all__ = ["note_failure", "run_job", "sweep_up"]
 
 Folder = LocalFolder | RemoteFolder
 
@@ -124,6 +124,34 @@ def note_failure(job: Job, row: dict[str, Any]) -> None:
             folder.write(FAILED, json.dumps({**row, "source": job.source, "key": "", "files": {}}, indent=1))
 
 
+def sweep_up(job: Job) -> None:
+    """Remove what a process that was killed has left half written of a job's results.
+
+    Parameters
+    ----------
+    job : Job
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from scenewidget.batch.plan import Job
+    >>> from scenewidget.engine.params import Params
+    >>> with tempfile.TemporaryDirectory() as out:
+    ...     (Path(out) / ".a.npz.12345678.tmp").touch()
+    ...     sweep_up(Job("a.ply", "a.ply", out, Params()))
+    ...     list(Path(out).iterdir())
+    []
+    """
+    folder_at(job.folder).sweep(
+        [ROW, FAILED, PICTURE, *(n for kind in job.formats for n in _names(job, kind))]
+    )
+
+
+def _names(job: Job, kind: str) -> list[str]:
+    """Of the files of one format."""
+    return [PurePosixPath(job.scan).stem + suffix for suffix in FORMATS[kind]]
+
+
 def _row(
     job: Job,
     limit: int | None,
@@ -138,6 +166,7 @@ def _row(
             "install the same everywhere"
         )
     folder = folder_at(job.folder)
+    sweep_up(job)
     with local_copy(job.source) as path:
         key, truth_key = _key(path, job), _digest(Path(job.truth)) if job.truth else ""
         text = folder.read(ROW)
@@ -246,11 +275,10 @@ def _write(
     segmentation: Segmentation, job: Job, folder: Folder, old: dict[str, Any]
 ) -> dict[str, list[Any] | None]:
     """Write every format; files that an earlier run wrote and nobody has touched since may go."""
-    stem = PurePosixPath(job.scan).stem
     names: list[str] = []
     with folder.writing() as place:
         for kind in job.formats:
-            targets = [stem + suffix for suffix in FORMATS[kind]]
+            targets = _names(job, kind)
             is_ours = _may_go(folder, targets, old)
             if not is_ours and isinstance(folder, RemoteFolder):
                 raise FileExistsError(f"{job.folder}/{targets[0]} is there, and no run of ours wrote it")

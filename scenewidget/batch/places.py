@@ -7,6 +7,7 @@ folder before they are sent; fsspec, which comes with Dask, knows the stores.
 from __future__ import annotations
 
 import contextlib
+import glob
 import json
 import os
 import re
@@ -333,11 +334,12 @@ class LocalFolder:
         with contextlib.suppress(NotADirectoryError):
             (self.path / name).unlink(missing_ok=True)
 
-    def sweep(self) -> None:
-        """Remove what a process that was killed has left half written."""
-        for path in self.path.glob(".*.tmp"):
-            with contextlib.suppress(OSError):
-                path.unlink()
+    def sweep(self, names: Iterable[str]) -> None:
+        """Remove what a process that was killed has left half written of these files."""
+        for name in names:
+            for path in self.path.glob(f".{glob.escape(name)}.*.tmp"):
+                with contextlib.suppress(OSError):
+                    path.unlink()
 
     @contextlib.contextmanager
     def writing(self) -> Iterator[Path]:
@@ -372,6 +374,15 @@ class RemoteFolder:
             return None
         return [details.get("size"), self._fs.ukey(f"{self._path}/{name}")]
 
+    def names(self) -> list[str]:
+        """Of the files that lie in it, not of those in folders below."""
+        self._fs.invalidate_cache()  # what others have done meanwhile counts
+        try:
+            found = self._fs.ls(self._path, detail=False)
+        except FileNotFoundError:
+            return []
+        return [str(path).rpartition("/")[2] for path in found]
+
     def write(self, name: str, text: str) -> None:
         """Write a small file."""
         self._fs.makedirs(self._path, exist_ok=True)
@@ -382,7 +393,7 @@ class RemoteFolder:
         with contextlib.suppress(FileNotFoundError):
             self._fs.rm_file(f"{self._path}/{name}")
 
-    def sweep(self) -> None:
+    def sweep(self, names: Iterable[str]) -> None:
         """Nothing: files are sent only once they are whole."""
 
     @contextlib.contextmanager

@@ -22,7 +22,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
 
-from scenewidget.batch.job import run_job
+from scenewidget.batch.job import run_job, sweep_up
 from scenewidget.batch.plan import Job
 from scenewidget.engine.threads import KNOB, n_threads
 
@@ -240,10 +240,8 @@ class DaskPool:
         self._running.clear()
         if self._workers is not None:
             self._workers.stop()
-            from scenewidget.batch.places import folder_at
-
             for job, _ in left:
-                folder_at(job.folder).sweep()
+                sweep_up(job)
 
 
 class OwnWorkers:
@@ -422,6 +420,22 @@ def check_where(client: Any, n_workers: int | None) -> None:
             "client must be a dask.distributed Client or cluster, or the address of a scheduler, "
             f"got {type(client).__name__}"
         )
+    if isinstance(client, str):
+        _check_address(client)
+
+
+def _check_address(address: str) -> None:
+    from distributed.comm.addressing import parse_address, parse_host_port
+
+    try:
+        scheme, place = parse_address(address)
+        if scheme in ("tcp", "tls"):
+            parse_host_port(place)
+    except ValueError as error:
+        raise ValueError(
+            "client must be the address of a scheduler, such as 'tcp://10.0.0.5:8786', "
+            f"got {address!r}: {error}"
+        ) from error
 
 
 def _own_pool(n_workers: int | None, task: Callable[[Any], Row], stack: contextlib.ExitStack) -> DaskPool:
@@ -466,6 +480,8 @@ def _client(given: Any, stack: contextlib.ExitStack) -> Any:
     if isinstance(given, Client):
         if given.asynchronous:
             raise TypeError("client is asynchronous; give one that isn't, or the address of its scheduler")
+        if given.status not in ("running", "connecting"):
+            raise ConnectionError(f"client is {given.status}; give one that is open, or an address")
         return given
     address = getattr(given, "scheduler_address", given)
     try:

@@ -3,23 +3,40 @@
 from __future__ import annotations
 
 import contextlib
+import html
 import importlib.util
 import math
 import sys
+import threading
 from collections.abc import Callable, Iterator
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-__all__ = ["shown", "spoken_row", "spoken_time"]
+if TYPE_CHECKING:
+    import ipywidgets
+
+__all__ = ["NotebookBar", "shown", "spoken_row", "spoken_time"]
+
+LISTED = 20  # scans that went wrong, under the bar; the table has all
+CANCEL = (
+    "Begins nothing more and abandons what runs; files are whole, and the same call goes on from there. "
+    "Where the page doesn't answer while a cell runs, interrupt the kernel: that leaves the same"
+)
 
 
 class Underway(Protocol):
     """Many scans on their way, as a bar sees them."""
 
     scans: tuple[str, ...]
+    rows: dict[str, dict[str, Any]]
+    error: BaseException | None
 
     @property
     def seconds_left(self) -> float:
         """Expected; nan while nobody knows."""
+        ...
+
+    def cancel(self) -> None:
+        """Begin nothing more."""
         ...
 
 
@@ -34,9 +51,10 @@ def shown(run: Underway, progress: bool | Hear, *, behind: bool = False) -> Iter
     ----------
     run : Run
     progress : bool or callable (run, row)
-        True shows a bar if somebody can see it: in a notebook, or in a terminal on stderr.
+        True shows a bar if somebody can see it: in a notebook, with a button that cancels, or in a terminal
+        on stderr.
     behind : bool
-        Whether the run goes on after the block; then nothing is shown.
+        Whether other cells and prompts come meanwhile; then a terminal shows nothing.
 
     Raises
     ------
@@ -53,18 +71,21 @@ def shown(run: Underway, progress: bool | Hear, *, behind: bool = False) -> Iter
             raise TypeError(f"progress must be True, False or a function, got {type(progress).__name__}")
         yield progress
         return
-    if (
-        not progress
-        or behind
-        or not (_in_notebook() or sys.stderr.isatty())
-        or not importlib.util.find_spec("rich")
-    ):
+    if progress and _in_notebook():
+        on_page = NotebookBar(run)
+        on_page.show()
+        try:
+            yield on_page.hear
+        finally:
+            on_page.end(run)
+        return
+    if not progress or behind or not sys.stderr.isatty() or not importlib.util.find_spec("rich"):
         yield _unheard
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
-    console = None if _in_notebook() else Console(stderr=True)
+    console = Console(stderr=True)
     columns = (TextColumn("Scans"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[left]}"))
     with Progress(*columns, console=console) as bar:
         task = bar.add_task("", total=len(run.scans), left="")
@@ -79,6 +100,75 @@ def shown(run: Underway, progress: bool | Hear, *, behind: bool = False) -> Iter
 
 def _unheard(run: Any, row: dict[str, Any]) -> None:
     """Nobody is there to see it."""
+
+
+class NotebookBar:
+    """A bar in a notebook, with the time left, a button that cancels, and what went wrong.
+
+    Parameters
+    ----------
+    run : Run
+
+    Attributes
+    ----------
+    box : ipywidgets.VBox
+        All of it.
+    button : ipywidgets.Button
+        Cancels the run.
+
+    Examples
+    --------
+    >>> from scenewidget.batch.runs import Run
+    >>> bar = NotebookBar(Run([], "out", None, 0))
+    >>> bar.button.description
+    'Cancel'
+    """
+
+    def __init__(self, run: Underway) -> None:
+        import ipywidgets as widgets
+
+        self._lock = threading.Lock()
+        self._wrong: list[str] = []
+        self._bar = widgets.IntProgress(0, max=max(1, len(run.scans)), layout={"width": "240px"})
+        self._text = widgets.Label(f"0 of {len(run.scans)} scans")
+        self._list = widgets.HTML()
+        self.button = widgets.Button(description="Cancel", tooltip=CANCEL, layout={"width": "80px"})
+        self.button.on_click(lambda _: self._cancel(run))
+        row = widgets.HBox([self._bar, self._text, self.button])
+        self.box: ipywidgets.VBox = widgets.VBox([row, self._list])
+
+    def show(self) -> None:
+        """Put it under the cell that is running."""
+        from IPython.display import display
+
+        show: Any = display
+        show({**self.box._repr_mimebundle_(), "text/plain": self._text.value}, raw=True)
+
+    def hear(self, run: Underway, row: dict[str, Any]) -> None:
+        """One more scan has come to an end."""
+        with self._lock:
+            if row["status"] not in ("done", "reused"):
+                self._wrong.append(spoken_row(row))
+                lines = [html.escape(line) for line in self._wrong[:LISTED]]
+                if len(self._wrong) > LISTED:
+                    lines.append(f"… and {len(self._wrong) - LISTED} more: see to_frame()")
+                self._list.value = "<br>".join(lines)
+            self._bar.value = len(run.rows)
+            left = spoken_time(run.seconds_left)
+            self._text.value = f"{len(run.rows)} of {len(run.scans)} scans" + (f", {left}" if left else "")
+
+    def end(self, run: Underway) -> None:
+        """It is over, one way or another: say what came of it, and take the button away."""
+        with self._lock:
+            self.button.layout.display = "none"
+            self._bar.bar_style = "success" if len(run.rows) == len(run.scans) else "warning"
+            if run.error is not None:
+                self._list.value += f"<p>{html.escape(f'It ended early: {run.error}')}</p>"
+            self._text.value = repr(run).removeprefix("Run(").removesuffix(")")
+
+    def _cancel(self, run: Underway) -> None:
+        self.button.disabled, self.button.description = True, "Cancelling"
+        run.cancel()
 
 
 def spoken_row(row: dict[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import math
 import os
@@ -11,6 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from scenewidget.batch.claims import claim
 from scenewidget.batch.folders import labeled, named_alike
 from scenewidget.batch.places import is_url, join, scans_in
 from scenewidget.batch.plan import FORMATS, Job
@@ -18,7 +20,7 @@ from scenewidget.batch.pools import check_where, open_pool
 from scenewidget.batch.progress import shown
 from scenewidget.batch.rows import COLUMNS, STATUSES
 from scenewidget.batch.schedule import work_through
-from scenewidget.editing.files import FileLock, explain, is_blind_to_case
+from scenewidget.editing.files import is_blind_to_case
 from scenewidget.engine.params import Params
 
 if TYPE_CHECKING:
@@ -151,9 +153,9 @@ class Run:
         ConnectionError
             No scheduler answers, or it has gone.
         """
-        lock = _taken(self.out)
+        ours = claim(self.out)
         try:
-            if lock is not None:
+            if not is_url(self.out):
                 _refuse_shared_folders(Path(self.out), self.scans)
             with open_pool(*self._where, tell=tell) as pool:
                 self._start = time.monotonic()
@@ -163,20 +165,32 @@ class Run:
                     self._left -= _weight(job)
                     self._spent += _weight(job) if row["status"] != "reused" else 0
                     hear(self, row)
+                    if ours.is_lost:
+                        raise ValueError(
+                            f"another run has taken over {self.out!r} while this one stood still"
+                        )
 
                 work_through(self._jobs, pool, report, self._stop)
         finally:
-            if lock is not None:
-                lock.release()
+            ours.release()
 
-    def work_behind(self, hear: Callable[[Run, dict[str, Any]], None]) -> None:
-        """Do it in a thread of its own."""
+    def work_behind(self, hear: Callable[[Run, dict[str, Any]], None], end: Callable[[], None]) -> None:
+        """Do it in a thread of its own.
+
+        Parameters
+        ----------
+        hear : callable (run, row)
+        end : callable
+            Called when it is over.
+        """
 
         def work() -> None:
             try:
                 self.work(hear)
             except BaseException as error:
                 self.error = error
+            finally:
+                end()
 
         self._thread = threading.Thread(target=work, name="scenewidget-run", daemon=True)
         self._thread.start()
@@ -228,7 +242,8 @@ def segment_all(
     units : "m" | "cm" | "mm" | "in" | "ft" | "auto", optional
         What the numbers in the scans are, as of `load_mesh`.
     progress : bool or callable (run, row)
-        Whether to show a bar with the time left, in a terminal or notebook; or who to tell of each scan.
+        Whether to show a bar with the time left, in a terminal or notebook (there with a button that
+        cancels); or who to tell of each scan.
     wait : bool
         False returns at once, and the run goes on in a thread of its own: `Run.wait`, `Run.cancel`.
 
@@ -267,11 +282,12 @@ def segment_all(
     (Run(1 scan: 1 done), ['scan', 'status', 'error', 'seconds', 'faces'])
     """
     run = planned(scans, out, params, client, n_workers, formats, truth, resume, units=units)
-    with shown(run, progress, behind=not wait) as hear:
+    with contextlib.ExitStack() as stack:
+        hear = stack.enter_context(shown(run, progress, behind=not wait))
         if wait:
             run.work(hear)
         else:
-            run.work_behind(hear)
+            run.work_behind(hear, stack.pop_all().close)
     return run
 
 
@@ -375,22 +391,6 @@ def _truths(truth: Any, scans: Sequence[str]) -> dict[str, str]:
 def _some(names: Any) -> str:
     listed = sorted(names)
     return ", ".join(map(repr, listed[:3])) + (" …" if len(listed) > 3 else "")
-
-
-def _taken(out: str) -> FileLock | None:
-    """The lock on a folder of results, which is made if missing; None where a store has no locks."""
-    if is_url(out):
-        return None
-    folder = Path(out)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(folder / "scenewidget")
-        holder = lock.acquire()
-    except OSError as error:
-        raise explain(error, folder) from error
-    if holder:
-        raise ValueError(f"{out!r} is being written by {holder}; wait for it, or choose another folder")
-    return lock
 
 
 def _refuse_shared_folders(folder: Path, scans: Iterable[str]) -> None:
