@@ -426,9 +426,11 @@ def check_where(client: Any, n_workers: int | None) -> None:
 
 def _check_address(address: str) -> None:
     from distributed.comm.addressing import parse_address, parse_host_port
+    from distributed.comm.registry import get_backend
 
     try:
         scheme, place = parse_address(address)
+        get_backend(scheme)
         if scheme in ("tcp", "tls"):
             parse_host_port(place)
     except ValueError as error:

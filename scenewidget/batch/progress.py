@@ -143,6 +143,10 @@ class NotebookBar:
 
         show: Any = display
         show({**self.box._repr_mimebundle_(), "text/plain": self._text.value}, raw=True)
+        # JupyterLab sends what widgets say beside the cell that runs (on a "subshell"), and ipykernel 7.4
+        # leads it back behind that cell, because it was there that the button was made
+        with contextlib.suppress(AttributeError):
+            del self.button.comm._reply_subshell_id
 
     def hear(self, run: Underway, row: dict[str, Any]) -> None:
         """One more scan has come to an end."""

@@ -162,3 +162,30 @@ def test_two_scans_do_not_share_a_folder_where_case_makes_no_difference(scans, t
     with pytest.raises(ValueError, match=r"would share a folder in .*, whose disk doesn't tell capital"):
         run(scans, tmp_path / "out")
     assert [path.name for path in (tmp_path / "out").iterdir()] == []
+
+
+def test_a_client_of_somebody_elses_and_its_address(scans, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    options = {"n_workers": 1, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
+    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
+        (scans / "bath" / "a.ply").write_bytes(b"ply\nnothing")
+        found = sw.segment_all(scans, tmp_path / "out", FAST, client=client, progress=False)
+        assert {scan: row["status"] for scan, row in found.rows.items()} == {
+            "bath/a.ply": "failed",
+            "kitchen/a.ply": "done",
+        }
+        address = cluster.scheduler_address
+        again = sw.segment_all(
+            scans / "kitchen", tmp_path / "out/kitchen", FAST, client=address, progress=False
+        )
+        assert again.rows["a.ply"]["status"] == "reused"
+        assert client.status == "running"  # it isn't ours to close
+    with pytest.raises(ConnectionError, match="client is closed; give one that is open"):
+        sw.segment_all(scans, tmp_path / "out", FAST, client=client, progress=False)
+
+
+@pytest.mark.parametrize("address", ["10.0.0.5", "tcp://", "tcp://a:b", "nowhere://a:1"])
+def test_what_is_no_address_is_told_at_once(scans, tmp_path, address):
+    pytest.importorskip("distributed")
+    with pytest.raises(ValueError, match=r"client must be the address of a scheduler, such as 'tcp://10\.0"):
+        planned(scans, tmp_path / "out", client=address)
