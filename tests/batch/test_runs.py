@@ -161,7 +161,7 @@ def test_two_scans_do_not_share_a_folder_where_case_makes_no_difference(scans, t
     monkeypatch.setattr("scenewidget.batch.runs.is_blind_to_case", lambda folder: True)
     with pytest.raises(ValueError, match=r"would share a folder in .*, whose disk doesn't tell capital"):
         run(scans, tmp_path / "out")
-    assert [path.name for path in (tmp_path / "out").iterdir()] == []
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_client_of_somebody_elses_and_its_address(scans, tmp_path):
