@@ -36,7 +36,7 @@ SHARE = 0.9  # of the memory is for workers
 RESTARTS = 20  # of the command that keeps our workers, before we give up
 TOPIC = "scenewidget"
 DASHBOARD = 8787
-ANSWER = 10.0  # seconds for a scheduler to say that it is there
+ANSWER = 10.0  # seconds for a scheduler to say that it is there, or to hear that a worker is not
 
 
 class Pool(Protocol):
@@ -226,7 +226,13 @@ class DaskPool:
 
     def enlarge(self) -> bool:
         """One worker with all the memory, if they are ours."""
-        return self._workers is not None and self._workers.start_one()
+        before = set(self._client.nthreads()) if self._workers is not None else set()
+        if self._workers is None or not self._workers.start_one():
+            return False
+        end = time.monotonic() + ANSWER  # a job handed to one that has just been ended would be blamed for it
+        while before & set(self._client.nthreads()) and time.monotonic() < end:
+            time.sleep(0.05)
+        return True
 
     def foretold(self) -> dict[str, Row]:
         """What workers logged of the scans that they read."""

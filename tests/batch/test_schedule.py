@@ -108,6 +108,22 @@ def test_a_row_that_is_lost_on_the_way_is_waited_for(tmp_path):
     assert rows["a"]["status"] == "done"
 
 
+def test_the_large_worker_gets_no_job_while_the_scheduler_believes_in_the_old_ones():
+    """Who was handed to one that had just been ended would be blamed for its end."""
+    believed = [{"old-1": 1, "old-2": 1}] * 3 + [{"old-2": 1}, {}, {"new": 1}]
+
+    class Client:
+        def nthreads(self):
+            return believed.pop(0) if len(believed) > 1 else believed[0]
+
+    class Workers:
+        def start_one(self):
+            return True
+
+    assert DaskPool(Client(), Workers()).enlarge()
+    assert believed == [{"new": 1}]
+
+
 def test_stopping_abandons_what_waits(tmp_path):
     stop, seen = threading.Event(), []
 
