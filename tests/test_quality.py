@@ -5,10 +5,16 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from vulture import Vulture
 
 ROOT = Path(__file__).parent.parent
+
+ONE_SET_OF_STUBS = pytest.mark.skipif(
+    sys.version_info[:2] != (3, 11) or np.__version__ < "2",
+    reason="what NumPy says of its types differs by version; checked with the newest for Python 3.11",
+)
 
 
 @pytest.mark.parametrize(
@@ -16,10 +22,10 @@ ROOT = Path(__file__).parent.parent
     [
         ["ruff", "check", "."],
         ["ruff", "format", "--check", "."],
-        ["mypy"],
+        pytest.param(["mypy"], marks=ONE_SET_OF_STUBS),
         ["lint-imports"],
     ],
-    ids=lambda command: " ".join(command),
+    ids=" ".join,
 )
 def test_the_tree_passes(command):
     tool = Path(sys.executable).parent / command[0]
