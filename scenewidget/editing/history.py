@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -246,6 +247,8 @@ def operation_table(operations: Iterable[Operation]) -> pd.DataFrame:
             "faces": _faces_named(operation.edit),
             "level": getattr(operation.edit, "level", ""),
             "name": getattr(operation.edit, "name", ""),
+            "p": operation.p if operation.action in ("propose", "dismiss") else math.nan,
+            "gain": operation.gain if operation.action in ("propose", "dismiss") else math.nan,
         }
         for operation in operations
     ]

@@ -18,7 +18,7 @@ from scenewidget.engine.segmentation import Segmentation
 
 __all__ = ["Action", "Log", "Operation", "Project", "ProjectError", "Root", "read_log"]
 
-Action = Literal["open", "edit", "undo", "redo", "segmentation", "vocabulary"]
+Action = Literal["open", "edit", "undo", "redo", "segmentation", "vocabulary", "propose", "dismiss"]
 
 
 class ProjectError(ValueError):
@@ -37,9 +37,11 @@ class Operation:
 
     time: float  # seconds since 1970, UTC
     action: Action
-    edit: Edit | None = None  # of "edit"
+    edit: Edit | None = None  # of "edit", and what "propose" and "dismiss" are about
     cut: KnownCut | None = None  # of a `Cut`: its outcome
     names: tuple[str, ...] = ()  # of "vocabulary"
+    p: float = 0.0  # of "propose" and "dismiss": how probable the edit seemed
+    gain: float = 0.0  # and what was expected of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +52,7 @@ class Log:
     undone: list[Edit] = field(default_factory=list)
     cuts: dict[tuple[Cut, bytes], BoolArray] = field(default_factory=dict)
     vocabulary: tuple[str, ...] = ()
+    rejected: list[Edit] = field(default_factory=list)  # suggestions about the segmentation as it is now
 
 
 def read_log(operations: Iterable[Operation]) -> Log:
@@ -64,6 +67,7 @@ def read_log(operations: Iterable[Operation]) -> Log:
     undone: list[Edit] = []
     cuts: dict[tuple[Cut, bytes], BoolArray] = {}
     vocabulary: tuple[str, ...] = ()
+    rejected: list[Edit] = []
     for operation in operations:
         if operation.action == "edit" and operation.edit is not None:
             done.append((operation.edit, operation.time))
@@ -72,6 +76,10 @@ def read_log(operations: Iterable[Operation]) -> Log:
                 cuts[operation.edit, operation.cut.segment_digest] = operation.cut.is_b
         elif operation.action == "vocabulary":
             vocabulary = operation.names
+        elif operation.action == "dismiss" and operation.edit is not None:
+            rejected.append(operation.edit)
+        elif operation.action == "segmentation":
+            rejected.clear()
         elif operation.action == "undo":
             if not done:
                 raise ProjectError("the log undoes an edit that was never done")
@@ -80,7 +88,7 @@ def read_log(operations: Iterable[Operation]) -> Log:
             if not undone:
                 raise ProjectError("the log redoes an edit that was never undone")
             done.append((undone.pop(), operation.time))
-    return Log(done, undone, cuts, vocabulary)
+    return Log(done, undone, cuts, vocabulary, rejected)
 
 
 @dataclass(frozen=True)

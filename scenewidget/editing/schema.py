@@ -23,7 +23,7 @@ from typing import Any, get_args
 import numpy as np
 import numpy.typing as npt
 
-from scenewidget.editing.edits import edit_from_dict, edit_values
+from scenewidget.editing.edits import Merge, Split, edit_from_dict, edit_values
 from scenewidget.editing.fingerprint import Fingerprint, fingerprint
 from scenewidget.editing.partition import KnownCut
 from scenewidget.editing.project import Action, Operation, Project, ProjectError, Root, read_log
@@ -266,6 +266,8 @@ def _encode(operation: Operation) -> tuple[str, bytes | None]:
     body: Any = None
     if operation.edit is not None:
         body = {key: _packed(value) for key, value in edit_values(operation.edit).items()}
+        if operation.action != "edit":
+            body = {"edit": body, "p": operation.p, "gain": operation.gain}
     elif operation.action == "vocabulary":
         body = list(operation.names)
     extra = None
@@ -303,6 +305,14 @@ def _decode(row: tuple[Any, ...]) -> Operation:
     data = json.loads(body, object_hook=_unpacked)
     if action == "vocabulary":
         return Operation(when, action, names=checked_vocabulary(data))
+    if action in ("propose", "dismiss"):
+        p, gain = (float(data[key]) for key in ("p", "gain"))
+        if not (math.isfinite(p) and math.isfinite(gain)):
+            raise ProjectError("the log holds a proposal without a probability")
+        edit = edit_from_dict(data["edit"])
+        if not isinstance(edit, (Merge, Split)):
+            raise ProjectError("the log holds a proposal that is none")
+        return Operation(when, action, edit, p=p, gain=gain)
     if action != "edit":
         return Operation(when, action)
     edit = edit_from_dict(data)

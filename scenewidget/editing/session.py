@@ -123,6 +123,7 @@ class Session:
         self._observers = Observers()
         self._revision = 0
         self._dismissed: list[Dismissal] = []
+        self._rejected: list[Edit] = []  # what was dismissed before the project was opened
         self._advisor: Advisor | None = None
         self._rows_shown: dict[int, int] = {}
 
@@ -371,6 +372,7 @@ class Session:
             self._history.start_from(_of_mesh(segmentation, self.mesh))
             self._params = params
             self._dismissed.clear()
+            self._rejected.clear()
             self._advisor = None
             self._log(Operation(time.time(), "segmentation"), renew=True)
             event = self._event("segmentation", None)
@@ -539,15 +541,42 @@ class Session:
         suggestion : Suggestion
             One of `suggestions`, for the segments as they are now.
         """
-        if not isinstance(suggestion, Suggestion):
-            raise TypeError(f"suggestion must be one of suggestions(), got {type(suggestion).__name__}")
+        _check_suggestion(suggestion)
         with self._lock:
             partition, advisor = self._history.partition, self._advice()
             self._dismissed.append(advisor.remember(partition, suggestion, self._dismissed))
+            self._log_answer("dismiss", suggestion)
+
+    def propose(self, suggestion: Suggestion) -> None:
+        """Keep in the log that a person was shown a ``suggestion``, for studies of what suggestions help.
+
+        The widget does so for each that it shows; who follows it makes the edit the next entry, who rejects
+        it a "dismiss". `to_frame` lists them all, with how probable the edit seemed and what was expected.
+
+        Parameters
+        ----------
+        suggestion : Suggestion
+        """
+        _check_suggestion(suggestion)
+        with self._lock:
+            self._log_answer("propose", suggestion)
+
+    def _log_answer(self, action: Literal["propose", "dismiss"], suggestion: Suggestion) -> None:
+        self._log(
+            Operation(
+                time.time(), action, suggestion.edit, p=float(suggestion.p), gain=float(suggestion.gain)
+            )
+        )
 
     def _advice(self) -> Advisor:
         if self._advisor is None:
             self._advisor = Advisor(self._history.partition.automatic)
+            for edit in self._rejected:
+                again = Suggestion.of(edit)
+                self._dismissed.append(
+                    self._advisor.remember(self._history.partition, again, self._dismissed)
+                )
+            self._rejected.clear()
         return self._advisor
 
     def observe(self, callback: Callable[[Event], None]) -> Callable[[], None]:
@@ -576,6 +605,8 @@ class Session:
 
     def to_frame(self) -> pd.DataFrame:
         """A row an operation: time (UTC), seconds since the one before, action, edit, faces, level, name.
+
+        Then ``p`` and ``gain`` of suggestions that were shown ("propose") or rejected ("dismiss").
 
         For studies of how long work takes; nothing leaves the computer.
         """
@@ -734,6 +765,7 @@ class Session:
         session._source = source
         session._history.resume(log)
         session._binding.operations = list(project.operations)
+        session._rejected = list(log.rejected)
         return session
 
     def _project(self, include_mesh: bool) -> Project:
@@ -778,6 +810,11 @@ def _check_segmentation(segmentation: Any) -> None:
             f"segmentation must be a Segmentation, got {type(segmentation).__name__}; "
             "Segmentation.from_labels(mesh, labels) makes one"
         )
+
+
+def _check_suggestion(suggestion: Any) -> None:
+    if not isinstance(suggestion, Suggestion):
+        raise TypeError(f"suggestion must be one of suggestions(), got {type(suggestion).__name__}")
 
 
 def _check_params(params: Any) -> None:

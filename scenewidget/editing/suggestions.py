@@ -87,6 +87,21 @@ class Suggestion:
     title: str
     why: str = ""
 
+    @classmethod
+    def of(cls, edit: Edit) -> Suggestion:
+        """The suggestion whose `edit` this is, without what was expected of it.
+
+        Examples
+        --------
+        >>> Suggestion.of(Split(3, "base", (8,))).faces
+        (3, 8)
+        """
+        if isinstance(edit, Merge):
+            return cls("merge", edit.faces, edit.onto_face, edit.level, 0.0, 0.0, "")
+        if isinstance(edit, Split):
+            return cls("split", (edit.face, *edit.also), -1, edit.level, 0.0, 0.0, "")
+        raise TypeError(f"edit must be a Merge or a Split, got {type(edit).__name__}")
+
     @property
     def face(self) -> int:
         """The first of the faces."""

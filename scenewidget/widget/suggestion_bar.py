@@ -81,6 +81,8 @@ class SuggestionBar:
         found = session.suggestions(MOST)
         n_left = sum(suggestion.gain >= WORTH for suggestion in found)
         self._show(found[0] if found else None, n_left)
+        if found:
+            session.propose(found[0])
         if not found:
             self._remark("Nothing more to suggest")
         elif n_left == 0:

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import scenewidget as sw
-from scenewidget.editing import EditError, Split
+from scenewidget.editing import EditError, Relabel, Split, Suggestion
 from scenewidget.engine.doubt import measure_gaps
 from scenewidget.engine.pieces import make_pieces
 from scenewidget.metrics import rand_index_error
@@ -110,6 +110,33 @@ def test_a_dismissal_does_not_outlast_large_changes_of_what_it_is_about():
     assert [ends(s) & {0} for s in session.suggestions(100) if s.kind == "merge"] == [{0}]
     session.go_to(0)
     assert {0, 1} not in [ends(s) for s in session.suggestions(100)]
+
+
+def test_the_log_keeps_what_was_proposed_and_a_rejection_outlasts_the_file(tmp_path):
+    session = strip(agreeing({(0, 1): 0.9, (2, 3): 0.8}))
+    first, second = session.suggestions()
+    session.propose(first)
+    session.dismiss(first)
+    session.save(tmp_path / "box.swproj", include_mesh=True)
+    session.propose(second)
+    session.do(second.edit)
+    session.close()
+    with sw.Session.open(tmp_path / "box.swproj") as again:
+        frame = again.to_frame()
+        assert frame["action"].tolist() == ["open", "propose", "dismiss", "propose", "edit", "open"]
+        assert frame["faces"][1] == frame["faces"][2] == (*first.faces, first.onto_face)
+        assert frame["p"][[1, 2]].tolist() == [first.p, first.p]
+        assert frame["gain"][3] == second.gain
+        assert frame["p"].isna().tolist() == [True, False, False, False, True, True]
+        again.undo()
+        found = [ends(s) for s in again.suggestions()]
+        assert ends(first) not in found
+        assert ends(second) in found
+
+
+def test_what_is_no_merge_or_split_was_no_suggestion():
+    with pytest.raises(TypeError, match="edit must be a Merge or a Split, got Relabel"):
+        Suggestion.of(Relabel(0, "chair"))
 
 
 def test_only_a_suggestion_can_be_dismissed():
