@@ -103,8 +103,8 @@ def export_dataset(
     texts = {
         "train.txt": "".join(f"{scene}\n" for scene in train),
         "validation.txt": "".join(f"{scene}\n" for scene in held_out),
-        "scenes.csv": table.to_csv(index=False),
-        "names.csv": counts.round(3).to_csv(),
+        "scenes.csv": table.to_csv(index=False, lineterminator="\n"),
+        "names.csv": counts.round(3).to_csv(lineterminator="\n"),
     }
     for name, text in texts.items():
         write_files({place / name: [text.encode()]}, asked=place / name, overwrite=overwrite, inputs=[])

@@ -327,7 +327,7 @@ class LocalFolder:
         except OSError as error:
             raise explain(error, self.path) from error
         with replacing(self.path / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+            temporary.write_text(text, encoding="utf-8", newline="\n")
 
     def remove(self, name: str) -> None:
         """Remove a file if it is there."""

@@ -215,7 +215,9 @@ class Worklist:
             "time": round(time.time(), 1),
         }
         with replacing(entry.folder / self._work_name) as temporary:
-            temporary.write_text(json.dumps(work, indent=1, ensure_ascii=False), encoding="utf-8")
+            temporary.write_text(
+                json.dumps(work, indent=1, ensure_ascii=False), encoding="utf-8", newline="\n"
+            )
         return self.reread(scan)
 
     def lock(self, scan: str) -> tuple[FileLock | None, str]:

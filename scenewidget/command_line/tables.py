@@ -237,5 +237,5 @@ def run(options: argparse.Namespace) -> int:
         if (measured["method"] == method).any():
             print(f"\nTable {number}: {method}\n{per_scene(measured, method).to_string()}")
     if options.csv is not None:
-        measured.to_csv(options.csv, index=False)
+        measured.to_csv(options.csv, index=False, lineterminator="\n")
     return 0

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import glob
+import importlib
 import json
 import os
 import re
@@ -27,6 +28,7 @@ __all__ = [
     "checked_path",
     "explain",
     "is_blind_to_case",
+    "is_one_name",
     "real",
     "replacing",
     "replacing_all",
@@ -50,6 +52,18 @@ def checked_path(path: object) -> Path:
 def real(path: Path) -> Path:
     """Where a path leads: absolute, links followed."""
     return Path(os.path.realpath(path))
+
+
+def is_one_name(one: Path, other: Path) -> bool:
+    """Whether two real paths are one, as where case makes no difference; two links to one file are not."""
+    if one == other:
+        return True
+    if str(one).casefold() != str(other).casefold():
+        return False
+    try:
+        return one.samefile(other) and one.samefile(one.with_name(one.name.swapcase()))
+    except OSError:
+        return False
 
 
 def is_blind_to_case(folder: Path) -> bool:
@@ -102,7 +116,7 @@ def replacing_all(paths: Sequence[Path]) -> Iterator[list[Path]]:
                 _take_place(temporary, current)
         except OSError:
             for place, old in replaced[:-1]:
-                place.unlink() if old is None else old.replace(place)
+                place.unlink() if old is None else _take_place(old, place)
             raise
         finally:
             for _, old in replaced:
@@ -191,6 +205,8 @@ def explain(error: OSError, path: Path) -> OSError:
         errno.ENOENT: "its folder does not exist; make it first",
         errno.ENOTDIR: "its folder is no folder; choose another place",
         errno.EISDIR: "it is a folder; name a file in it",
+        errno.EINVAL: "its name isn't allowed there; choose another one",
+        errno.ENAMETOOLONG: "its name is too long; choose a shorter one",
     }
     reason = reasons.get(error.errno or 0, error.strerror or str(error))
     if getattr(error, "winerror", None) in HELD_ON_WINDOWS:
@@ -202,7 +218,7 @@ def explain(error: OSError, path: Path) -> OSError:
 
 def sync_folder(folder: Path) -> None:
     """Make a rename in a folder durable; nothing where the system has no such call."""
-    if os.name != "posix":
+    if ON_WINDOWS:
         return
     descriptor = os.open(folder, os.O_RDONLY)
     try:
@@ -250,7 +266,7 @@ class FileLock:
                 is_current = os.fstat(descriptor).st_ino == self.path.stat().st_ino
             except FileNotFoundError:
                 is_current = False
-            if is_current or os.name != "posix":
+            if is_current or ON_WINDOWS:
                 os.ftruncate(descriptor, 0)
                 os.lseek(descriptor, 0, os.SEEK_SET)
                 os.write(descriptor, json.dumps(_self_description()).encode())
@@ -264,10 +280,13 @@ class FileLock:
         if self._descriptor is None:
             return
         with contextlib.suppress(OSError):
-            if os.name == "posix" and os.path.samestat(os.fstat(self._descriptor), self.path.stat()):
+            if not ON_WINDOWS and os.path.samestat(os.fstat(self._descriptor), self.path.stat()):
                 self.path.unlink()
         os.close(self._descriptor)
         self._descriptor = None
+        if ON_WINDOWS:  # which removes no file that anybody has open
+            with contextlib.suppress(OSError):
+                self.path.unlink()
 
 
 class Handle:
@@ -281,8 +300,8 @@ class Handle:
     """
 
     def __init__(self, path: Path) -> None:
-        # elsewhere than on POSIX an open file could not be replaced
-        self._descriptor: int | None = os.open(path, os.O_RDWR) if os.name == "posix" else None
+        # on Windows an open file could not be replaced
+        self._descriptor: int | None = None if ON_WINDOWS else os.open(path, os.O_RDWR)
 
     def lock(self) -> bool:
         """Take the lock that all names of the file share; False if somebody has it.
@@ -326,37 +345,22 @@ def _describe(descriptor: int) -> str:
     return f"another kernel or script (process {process} on {computer!r})"
 
 
-if os.name == "posix":
+def _try_lock_all_names(descriptor: int) -> bool:
+    """Lock one byte far behind the end, which no reader or database ever touches."""
+    if sys.platform != "linux":
+        return True
     import fcntl
 
-    def _try_lock_all_names(descriptor: int) -> bool:
-        """Lock one byte far behind the end, which no reader or database ever touches."""
-        if sys.platform != "linux":
-            return True
-        wanted = struct.pack("hhqqi4x", fcntl.F_WRLCK, os.SEEK_SET, 1 << 60, 1, 0)
-        try:
-            fcntl.fcntl(descriptor, fcntl.F_OFD_SETLK, wanted)
-        except OSError as error:
-            return error.errno not in (errno.EAGAIN, errno.EACCES)
-        return True
+    wanted = struct.pack("hhqqi4x", fcntl.F_WRLCK, os.SEEK_SET, 1 << 60, 1, 0)
+    try:
+        fcntl.fcntl(descriptor, fcntl.F_OFD_SETLK, wanted)
+    except OSError as error:
+        return error.errno not in (errno.EAGAIN, errno.EACCES)
+    return True
 
-    def _try_lock(descriptor: int) -> bool:
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            if error.errno in (errno.EWOULDBLOCK, errno.EACCES, errno.EAGAIN):
-                return False
-            raise
-        return True
 
-else:
-
-    def _try_lock_all_names(descriptor: int) -> bool:
-        return True
-
-    def _try_lock(descriptor: int) -> bool:
-        import importlib
-
+def _try_lock(descriptor: int) -> bool:
+    if ON_WINDOWS:
         windows = importlib.import_module("msvcrt")
         try:
             os.lseek(descriptor, 1 << 20, os.SEEK_SET)  # beyond the description, which others may read
@@ -365,3 +369,11 @@ else:
             return False
         os.lseek(descriptor, 0, os.SEEK_SET)
         return True
+    posix = importlib.import_module("fcntl")
+    try:
+        posix.flock(descriptor, posix.LOCK_EX | posix.LOCK_NB)
+    except OSError as error:
+        if error.errno in (errno.EWOULDBLOCK, errno.EACCES, errno.EAGAIN):
+            return False
+        raise
+    return True

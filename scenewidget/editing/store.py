@@ -20,7 +20,7 @@ import weakref
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from scenewidget.editing.files import FileLock, Handle, explain, real, replacing
+from scenewidget.editing.files import FileLock, Handle, explain, is_one_name, real, replacing
 from scenewidget.editing.project import Operation, Project, ProjectError, Root
 from scenewidget.editing.project_reader import blame, guard, is_project, live_files, read_alone
 from scenewidget.editing.schema import (
@@ -87,7 +87,7 @@ class ProjectFile:
 
     def is_at(self, path: Path) -> bool:
         """Whether this is the file of that path."""
-        return self._place == real(path)
+        return is_one_name(self._place, real(path))
 
     # --- taking and letting go --------------------------------------------------------------------
 
@@ -134,7 +134,9 @@ class ProjectFile:
             raise
 
     def _take_from(self, other: ProjectFile) -> None:
-        if other._place != self._place:  # another name of it: a database must be open under one only
+        if not is_one_name(
+            other._place, self._place
+        ):  # another name of it: a database must be open under one only
             lock = FileLock(self.path)
             self.read_only_reason = _try_to_lock(lock)
             if self.read_only:
@@ -175,7 +177,7 @@ class ProjectFile:
             raise FileExistsError(errno.EEXIST, f"{str(path)!r} is there already")
         owner = replaces if replaces is not None and replaces._lock and replaces.is_at(path) else None
         owner = owner or next(
-            (f for f in map(_owner, live_files) if f is not None and f._place == place), None
+            (f for f in map(_owner, live_files) if f is not None and is_one_name(f._place, place)), None
         )
         file = cls(path, Root(0, b"", b""))
         if owner is None:

@@ -31,7 +31,7 @@ def write(folder: Path) -> list[Path]:
     written = []
     for notebook in exercises._HOME:
         path = folder / f"solutions_{notebook}.md"
-        path.write_text(page(notebook), encoding="utf-8")
+        path.write_text(page(notebook), encoding="utf-8", newline="\n")
         written.append(path)
     return written
 

@@ -41,7 +41,7 @@ def default_name(mesh: Mesh) -> str:
     >>> default_name(mesh).startswith("scan-")
     True
     """
-    stem = re.sub(r"[^\w.-]+", "_", Path(mesh.source).stem).strip("._")[:60]
+    stem = re.sub(r"[^\w-]+", "_", Path(mesh.source).stem).strip("_")[:60]
     return f"{stem or 'scan'}-{fingerprint(mesh).digest[:DIGITS]}{SUFFIX}"
 
 

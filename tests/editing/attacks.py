@@ -28,6 +28,7 @@ from scenewidget.engine.segmentation import Segmentation
 HERE = Path(__file__).parent
 MESH = shapes.box(6)
 SUFFIXES = ("", "-wal", "-shm")
+DEADLY = getattr(signal, "SIGKILL", signal.SIGTERM)  # on Windows, os.kill ends a process at once by any
 
 
 def another(k):
@@ -237,7 +238,7 @@ def try_live_copies(folder, n, *, seed=0):
         suffixes = [s for s in rng.permutation(SUFFIXES).tolist() if s == "" or rng.random() < 0.6]
         copy = folder / f"copy{k}.swproj"
         for suffix in suffixes:
-            with contextlib.suppress(FileNotFoundError):
+            with contextlib.suppress(FileNotFoundError, PermissionError):  # or locked, on Windows
                 shutil.copyfile(f"{path}{suffix}", f"{copy}{suffix}")
         copies.append((copy, suffixes, acknowledged))
     known = {*told, *editor.kill()}
@@ -276,7 +277,7 @@ def bring_up_to_date(path, n, tell):
     def count():
         steps[0] += 1
         if steps[0] == n:
-            os.kill(os.getpid(), signal.SIGKILL)
+            os.kill(os.getpid(), DEADLY)
         return 0
 
     class Counting(sqlite3.Connection):

@@ -1,11 +1,6 @@
 """Splices, live copies and kills, a few of each; tests/benchmarks/attack.py tries thousands."""
 
-import os
-
-import pytest
 from attacks import try_live_copies, try_migration_kills, try_splices
-
-posix = pytest.mark.skipif(os.name != "posix", reason="needs SIGKILL")
 
 
 def test_splices_of_true_states_open_as_one_of_them_or_not_at_all(tmp_path):
@@ -15,14 +10,12 @@ def test_splices_of_true_states_open_as_one_of_them_or_not_at_all(tmp_path):
     assert n_refused > 10
 
 
-@posix
 def test_copies_of_a_file_at_work_hold_what_was_acknowledged(tmp_path):
     n_true, _, wrong = try_live_copies(tmp_path, 25)
     assert wrong == []
     assert n_true > 10
 
 
-@posix
 def test_a_migration_can_be_killed_anywhere(tmp_path):
     not_yet, done = try_migration_kills(tmp_path, 24)
     assert not_yet > 0

@@ -262,8 +262,8 @@ def test_a_path_is_begun_by_scripts_too_and_not_with_another_mesh(show, mesh, fo
 
 
 def test_the_name_of_the_file_is_that_of_the_scan(mesh, folder):
-    sw.export(sw.Segmentation.from_labels(mesh, np.zeros(mesh.n_faces, int)), mesh, "my café: 1.ply")
-    scan = sw.load_mesh("my café: 1.ply")
+    sw.export(sw.Segmentation.from_labels(mesh, np.zeros(mesh.n_faces, int)), mesh, "my café, 1.ply")
+    scan = sw.load_mesh("my café, 1.ply")
     assert default_name(scan).startswith("my_café_1-")
     assert default_name(mesh).startswith("scan-")
 

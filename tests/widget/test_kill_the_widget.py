@@ -1,14 +1,11 @@
 """Kill −9 while a person edits in the picture: what the widget called saved is there and offered."""
 
-import os
-import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
 import numpy as np
-import pytest
 import shapes
 
 from scenewidget.editing.session import Session
@@ -44,7 +41,6 @@ while True:
 """
 
 
-@pytest.mark.skipif(os.name != "posix", reason="needs SIGKILL")
 def test_what_was_called_saved_survives_a_killed_kernel(tmp_path):
     rng, mesh, before = np.random.default_rng(0), shapes.box(6), 0
     for round_ in range(4):
@@ -56,9 +52,9 @@ def test_what_was_called_saved_survives_a_killed_kernel(tmp_path):
         )
         lines = [person.stdout.readline()]  # the first edit is saved
         time.sleep(float(rng.uniform(0, 0.3)))  # any moment will do
-        person.send_signal(signal.SIGKILL)
+        person.kill()
         lines += [line for line in person.communicate()[0].splitlines(keepends=True) if line.endswith("\n")]
-        assert person.returncode == -signal.SIGKILL
+        assert person.returncode != 0, "it ended by itself"
         (path,) = tmp_path.glob("*.swproj")  # the same one in every round: it was restored
         with Session.open(path, mesh) as session:
             found = len(session.to_frame()) - 1  # the last one is this opening
