@@ -143,13 +143,15 @@ def _by_segment(
         own, other = sizes.sum(axis=1), sizes.sum(axis=0)
         union = own[:, None] + other - sizes
         iou = np.divide(sizes, union, out=np.zeros_like(sizes), where=union > 0)
+        is_labeled = a >= 0
+        size = np.bincount(a[is_labeled], None if weights is None else weights[is_labeled]).astype(float)
         for segment in np.unique(a[a >= 0]).tolist():
             match = int(iou[segment].argmax()) if own[segment] > 0 else -1
             index.append((first, second, segment))
             rows.append(
                 {
                     "name": _name_of(of_first, segment),
-                    "size": _area(a == segment, weights),
+                    "size": float(size[segment]),
                     "match": match,
                     "match_name": _name_of(of_second, match),
                     "iou": iou[segment, match] if match >= 0 else np.nan,

@@ -12,6 +12,7 @@ import shapes
 import scenewidget as sw
 from scenewidget.batch import job as job_module
 from scenewidget.batch.plan import FORMATS
+from scenewidget.batch.worklist import Worklist
 from scenewidget.command_line import main
 from scenewidget.engine.readers.sniff import MESHES
 
@@ -281,6 +282,25 @@ def test_agree_has_a_row_a_scan(capsys, scans, truth, tmp_path):
     assert found[0]["coverage"] == 1
     assert main(["agree", str(truth)]) == 1
     assert "two or more folders" in capsys.readouterr().err
+
+
+def test_agree_on_copies_in_one_folder_by_segment_and_by_name(capsys, scans, tmp_path):
+    out = tmp_path / "out"
+    statuses(capsys, scans / "kitchen", out)
+    assert main(["agree", str(out)]) == 1
+    assert "got only" in capsys.readouterr().err
+    for person, name in (("ann", "floor"), ("bob", "rug")):
+        work = Worklist(out, person, own=True)
+        with work.open("a.off", sw.load(scans / "kitchen" / "a.off")) as session:
+            session.relabel(0, name)
+    code, found = rows(capsys, "agree", out)
+    assert (code, found[0]["first"], found[0]["second"], found[0]["same_name"]) == (0, "ann", "bob", 0)
+    code, found = rows(capsys, "agree", out, "--per", "name")
+    assert [(row["name"], row["iou"]) for row in found] == [("floor", 0), ("rug", 0)]
+    code, found = rows(capsys, "agree", out, "--per", "segment")
+    assert {row["iou"] for row in found} == {1}
+    code, found = rows(capsys, "evaluate", out, "--truth", out)  # a project made since counts
+    assert found[0]["mean_iou"] == 1
 
 
 @pytest.mark.parametrize("kind", [kind for kind in MESHES if kind != "gltf"])

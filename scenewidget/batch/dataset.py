@@ -29,6 +29,7 @@ def export_dataset(
     validation: float = 0.2,
     seed: int = 0,
     scans: Path | None = None,
+    agreed: bool = False,
     overwrite: bool = False,
 ) -> pd.DataFrame:
     """Write all scans and their labels as ScanNet has them.
@@ -50,6 +51,8 @@ def export_dataset(
         Of the split.
     scans : Path, optional
         Where the scans are, if not where they were.
+    agreed : bool
+        Whether each scene has what those agree on who have corrected a copy of their own.
     overwrite : bool
         As of `export`.
 
@@ -57,7 +60,7 @@ def export_dataset(
     -------
     table : pandas.DataFrame
         A row a scene, as in ``scenes.csv``: scan, scene, split, faces, segments, named, coverage, area (m²),
-        seconds of work.
+        seconds of work, people with a copy of their own.
 
     Raises
     ------
@@ -87,14 +90,15 @@ def export_dataset(
     rows, names = [], []
     for entry in chosen:
         mesh = worklist.mesh(entry, scans)
-        labels = worklist.labels(entry, mesh)
+        labels = worklist.agreed(entry, mesh) if agreed else worklist.labels(entry, mesh)
         scene = scenes[entry.scan]
         folder = place / "scans" / scene
         folder.mkdir(parents=True, exist_ok=True)
         ply = folder / f"{scene}_vh_clean_2.ply"
         write_files({ply: [scan_bytes(mesh, "ply")]}, asked=ply, overwrite=overwrite, inputs=[mesh.source])
         export(labels, mesh, folder / f"{scene}.aggregation.json", "scannet", overwrite=overwrite)
-        rows.append(_counted(entry, scene, labels, scene in held_out))
+        counted = _counted(entry, scene, labels, scene in held_out)
+        rows.append(counted | {"people": len(worklist.hands(entry))})
         areas = np.bincount(labels.labels[labels.labels >= 0], mesh.face_areas[labels.labels >= 0])
         names += [(as_text(name or "unannotated"), float(area)) for name, area in zip(labels.names, areas)]
     table = pd.DataFrame(rows)

@@ -6,6 +6,7 @@ Files belong together by their names: ``out/kitchen/a.ply/a.npz``, ``ann/kitchen
 
 from __future__ import annotations
 
+import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Mapping
@@ -15,12 +16,13 @@ from pathlib import Path
 from scenewidget.batch.places import is_hidden, scans_in
 from scenewidget.batch.rows import ROW, read_row
 from scenewidget.editing.formats import import_labels
+from scenewidget.editing.project_reader import is_project
 from scenewidget.editing.session import Session
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.readers import load
 from scenewidget.engine.segmentation import Segmentation
 
-__all__ = ["LABELS", "Labeled", "labeled", "mesh_of", "named_alike", "read_labels"]
+__all__ = ["LABELS", "Labeled", "hands", "labeled", "mesh_of", "named_alike", "own_copies", "read_labels"]
 
 LABELS = (  # of several files of one scan the first is read: a project may hold corrections
     ".swproj", ".npz", ".npy", ".aggregation.json", ".xml", ".ply", ".glb", ".txt", ".label",
@@ -53,6 +55,7 @@ def labeled(path: Path) -> dict[str, Labeled]:
     rows = {row.parent: content for row in sorted(path.rglob(ROW)) if (content := read_row(row)) is not None}
     for folder, row in rows.items():
         files = [folder / name for name in row.get("files", {})]
+        files.append(folder / f"{Path(row['scan']).stem}.swproj")  # which a `Workbench` may have made since
         best = min((f for f in files if _rank(f) < len(LABELS) and f.exists()), key=_rank, default=None)
         if best is not None:
             name = str(Path(row["scan"]).with_suffix("").as_posix())
@@ -65,6 +68,35 @@ def labeled(path: Path) -> dict[str, Labeled]:
     if not found:
         raise ValueError(f"no labels in {str(path)!r}; looked for files that end in {', '.join(LABELS)}")
     return dict(sorted(found.items()))
+
+
+def own_copies(path: Path) -> dict[str, dict[str, Labeled]]:
+    """Who has corrected copies of their own in a folder of results: person -> name of the scan -> file."""
+    found: dict[str, dict[str, Labeled]] = {}
+    for file in sorted(path.rglob(ROW)):
+        row = read_row(file)
+        if row is None:
+            continue
+        for person, copy in hands(file.parent, row["scan"]).items():
+            own = found.setdefault(person, {})
+            name = str(Path(row["scan"]).with_suffix("").as_posix())
+            own[row["scan"] if name in own else name] = Labeled(copy, str(row.get("source", "")))
+    return dict(sorted(found.items()))
+
+
+def hands(folder: Path, scan: str) -> dict[str, Path]:
+    """Project files of a scan in the folder of its results, by person, of those who have a copy of their own.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     hands(Path(place), "kitchen/a.ply")
+    {}
+    """
+    pattern = re.compile(re.escape(Path(scan).stem) + r"\.(.+)\.swproj")
+    found = {match[1]: path for path in folder.iterdir() if (match := pattern.fullmatch(path.name))}
+    return {person: path for person, path in sorted(found.items()) if is_project(path)}
 
 
 def mesh_of(name: str, scans: Path | None, labels: Iterable[Labeled]) -> Mesh:

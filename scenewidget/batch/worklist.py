@@ -16,16 +16,16 @@ from typing import Any, Literal
 
 import pandas as pd
 
-from scenewidget.batch.folders import LABELS, read_labels
+from scenewidget.batch.folders import LABELS, hands, read_labels
 from scenewidget.batch.picture import PICTURE
 from scenewidget.batch.rows import FAILED, ROW, parse_row
 from scenewidget.editing.files import FileLock, replacing
-from scenewidget.editing.project_reader import is_project
 from scenewidget.editing.session import Session
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.readers import load
 from scenewidget.engine.segmentation import Segmentation
+from scenewidget.hands import consensus
 
 __all__ = ["STATES", "Entry", "State", "Stopwatch", "Worklist"]
 
@@ -301,10 +301,18 @@ class Worklist:
         ----------
         entry : Entry
         """
-        stem = Path(entry.scan).stem
-        pattern = re.compile(re.escape(stem) + r"\.(.+)\.swproj")
-        found = {match[1]: path for path in entry.folder.iterdir() if (match := pattern.fullmatch(path.name))}
-        return {person: path for person, path in sorted(found.items()) if is_project(path)}
+        return hands(entry.folder, entry.scan)
+
+    def agreed(self, entry: Entry, mesh: Mesh) -> Segmentation:
+        """What those agree on who have a copy of their own; as it is where nobody has.
+
+        Parameters
+        ----------
+        entry : Entry
+        mesh : Mesh
+        """
+        theirs = {person: read_labels(path, mesh) for person, path in self.hands(entry).items()}
+        return consensus(theirs, mesh) if theirs else self.labels(entry, mesh)
 
     def order(self) -> list[str]:
         """Scans that can be corrected, the most doubtful first."""

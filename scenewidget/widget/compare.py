@@ -9,8 +9,8 @@ from __future__ import annotations
 import html
 import secrets
 import threading
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any, Literal
 
 import ipywidgets as widgets
 import numpy as np
@@ -24,6 +24,7 @@ from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import LEVELS, Segmentation
 from scenewidget.engine.stages import TITLES
 from scenewidget.evaluation import evaluate
+from scenewidget.hands import agreement
 from scenewidget.metrics import quick_scores
 from scenewidget.palette import keep_colors
 from scenewidget.widget.lifetimes import belongs_to_its_cell, close_all
@@ -47,6 +48,7 @@ SHARED = (
     "section",
 )  # state that both views have in common
 TABLE_STYLE = "border-collapse:collapse;font-variant-numeric:tabular-nums"
+LISTED = 10  # segments on which the two agree least
 CELL_STYLE = "padding:1px 14px 1px 0;text-align:right"
 
 
@@ -208,9 +210,18 @@ class Compare(FaultTolerant, widgets.VBox):
             for view in self.views:
                 view.set_values(values, **options)
 
-    def to_frame(self) -> pd.DataFrame:
-        """`evaluate` of both against the truth, or of B against A without one."""
+    def to_frame(self, per: Literal["side", "segment", "name"] = "side") -> pd.DataFrame:
+        """How good the two are, or how far they agree.
+
+        Parameters
+        ----------
+        per : "side" | "segment" | "name"
+            What has a row. "side": `evaluate` of both against the truth, or of B against A without one;
+            "segment" and "name": `agreement` of A and B, by area, the least agreed on first.
+        """
         first, second = self.wait(None)
+        if per != "side":
+            return agreement({"A": first, "B": second}, self.mesh, by="area", per=per)
         if self._scorer is None:
             return evaluate({"B": second}, first, self.mesh)
         return evaluate({"A": first, "B": second}, self._scorer.truth, self.mesh)
@@ -263,11 +274,12 @@ class Compare(FaultTolerant, widgets.VBox):
                 scores[name] = quick_scores(segmentation.labels, self._scorer.truth)
         scores["B and A"] = quick_scores(b.labels, a.labels)
         verdicts = disagreement(a.labels, b.labels)
+        least = _least_agreed(a, b)
         with self._lock:
             _stop_if(cancel)
             for view in self.views:
                 view.set_errors(verdicts)
-            self._table.value = _table(scores, float(np.mean(verdicts == 2)))
+            self._table.value = _table(scores, float(np.mean(verdicts == 2))) + least
             self.set_trait("scores", scores)
             self.set_trait("segmentations", (a, b))
 
@@ -329,6 +341,37 @@ def _mean_confidence(segmentation: Segmentation) -> Any:
     labels = segmentation.labels[keep]
     total = np.bincount(labels, segmentation.confidence[keep], n)
     return total / np.maximum(np.bincount(labels, minlength=n), 1)
+
+
+def _least_agreed(a: Segmentation, b: Segmentation) -> str:
+    """HTML, folded: the segments and the names on which the two agree least; their names are escaped."""
+    both = {"A": a, "B": b}
+    segments = agreement(both, a.mesh, by="area", per="segment").head(LISTED)
+    heads = ("", "segment", "name", "m²", "best match", "its name", "IoU", "outside it")
+    rows = [
+        (side, segment, row["name"], f"{row['size']:.2f}", row["match"] if row["match"] >= 0 else "none",
+         row["match_name"], f"{row['iou']:.2f}", f"{row['outside']:.0%}")
+        for (side, _, segment), row in segments.iterrows()
+    ]  # fmt: skip
+    folded = _folded("Segments on which they agree least", heads, rows)
+    if not any(a.names) and not any(b.names):
+        return folded
+    names = agreement(both, a.mesh, by="area", per="name")
+    by_name = [
+        (name, f"{row['size_first']:.2f}", f"{row['size_second']:.2f}", f"{row['iou']:.2f}")
+        for (_, _, name), row in names.iterrows()
+    ]
+    return folded + _folded("Names", ("", "m² in A", "m² in B", "IoU"), by_name)
+
+
+def _folded(title: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    def cell(tag: str, value: object) -> str:
+        return f'<{tag} style="{CELL_STYLE}">{html.escape(str(value))}</{tag}>'
+
+    head = "".join(cell("th", value) for value in heads)
+    body = "".join(f"<tr>{''.join(cell('td', value) for value in row)}</tr>" for row in rows)
+    table = f'<table style="{TABLE_STYLE}"><tr>{head}</tr>{body}</table>'
+    return f"<details><summary>{title}</summary>{table}</details>"
 
 
 def _table(scores: dict[str, dict[str, float]], share: float) -> str:

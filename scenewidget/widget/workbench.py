@@ -35,6 +35,8 @@ from scenewidget.widget.scene_widget import SceneWidget
 if TYPE_CHECKING:
     import pandas as pd
 
+    from scenewidget.engine.segmentation import Segmentation
+
 __all__ = ["QueueView", "Workbench"]
 
 MOST_PICTURES = 60  # that the page may ask for in one go
@@ -199,10 +201,7 @@ class Workbench(widgets.VBox):
             The scan or its labels are gone.
         """
         with self._lock:
-            entry = self._work.entries.get(scan)
-            if entry is None:
-                known = ", ".join(map(repr, list(self._work.entries)[:3]))
-                raise ValueError(f"there is no scan {scan!r}; there are {known} …")
+            entry = self._entry(scan)
             if scan == self.current:
                 return
             if entry.has_failed:
@@ -258,6 +257,27 @@ class Workbench(widgets.VBox):
         """A row a scan: state, doubt, faces, segments, edits, seconds of work, people, error and errors."""
         return self._work.to_frame()
 
+    def annotations(self, scan: str) -> dict[str, Segmentation]:
+        """What each who corrects a copy of their own has made of a scan, by name.
+
+        For `agreement` and `consensus`, and two of them for `Compare`.
+
+        Parameters
+        ----------
+        scan : str
+
+        Raises
+        ------
+        ValueError
+            No such scan.
+        FileNotFoundError
+            The scan is gone.
+        """
+        entry = self._entry(scan)
+        files = {} if entry.has_failed else self._work.hands(entry)
+        mesh = self._work.mesh(entry, self._scans) if files else None
+        return {person: read_labels(path, mesh) for person, path in files.items()}
+
     def agreement(self) -> pd.DataFrame:
         """How far people agree who correct copies of their own: `agreement`, a row a scan and pair.
 
@@ -269,11 +289,9 @@ class Workbench(widgets.VBox):
         import pandas as pd
 
         tables = {}
-        for entry in self._work.entries.values():
-            files = {} if entry.has_failed else self._work.hands(entry)
-            if len(files) > 1:
-                mesh = self._work.mesh(entry, self._scans)
-                tables[entry.scan] = agreement({p: read_labels(f, mesh) for p, f in files.items()}, mesh)
+        for scan, entry in self._work.entries.items():
+            if not entry.has_failed and len(self._work.hands(entry)) > 1:
+                tables[scan] = agreement(self.annotations(scan))
         if not tables:
             raise ValueError(
                 "no scan has been corrected by two people; give each Workbench(…, person=…, own=True)"
@@ -321,6 +339,7 @@ class Workbench(widgets.VBox):
         states: Collection[str] = ("done",),
         validation: float = 0.2,
         seed: int = 0,
+        agreed: bool = False,
         overwrite: bool = False,
     ) -> pd.DataFrame:
         """Write the whole dataset in ScanNet's layout, with a train and validation split and statistics.
@@ -334,6 +353,9 @@ class Workbench(widgets.VBox):
             Share of the scenes for validation.
         seed : int
             Of the split.
+        agreed : bool
+            With ``own=True``: whether each scene has the `consensus` of all who have a copy of it, rather
+            than the labels of who works here.
         overwrite : bool
             As of `sw.export`.
 
@@ -343,7 +365,8 @@ class Workbench(widgets.VBox):
             A row a scene: its split and what it has.
         """
         options: dict[str, Any] = {"states": states, "validation": validation, "seed": seed}
-        return export_dataset(self._work, Path(target), **options, scans=self._scans, overwrite=overwrite)
+        options |= {"scans": self._scans, "agreed": agreed, "overwrite": overwrite}
+        return export_dataset(self._work, Path(target), **options)
 
     def close(self) -> None:
         """Leave the scan that is open, saved, and take the widgets off the page."""
@@ -353,6 +376,13 @@ class Workbench(widgets.VBox):
             self.queue.close()
             self._place.close()
         super().close()
+
+    def _entry(self, scan: str) -> Entry:
+        entry = self._work.entries.get(scan)
+        if entry is None:
+            known = ", ".join(map(repr, list(self._work.entries)[:3]))
+            raise ValueError(f"there is no scan {scan!r}; there are {known} …")
+        return entry
 
     # --- opening and leaving ----------------------------------------------------------------------
 

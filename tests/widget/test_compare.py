@@ -7,6 +7,7 @@ import pytest
 import shapes
 
 import scenewidget as sw
+from scenewidget.datasets import analytic
 from scenewidget.palette import segment_colors
 from scenewidget.widget.scores import disagreement
 
@@ -64,6 +65,22 @@ def test_disagreement_is_coloured_on_both_sides(compare):
         assert view.errors_title
     compare.views[0].color_by = "errors"
     assert compare.views[1].color_by == "errors"
+
+
+def test_what_the_two_agree_on_least_is_listed_by_segment_and_name():
+    mesh = analytic.square(2)  # 8 triangles
+    first = sw.Segmentation.from_labels(mesh, [0] * 6 + [1] * 2, names=["<b>floor", ""])
+    second = sw.Segmentation.from_labels(mesh, [0] * 4 + [1] * 4, names=["rug", ""])
+    compare = sw.Compare(mesh, first, second)
+    compare.wait()
+    shown = compare._table.value
+    assert shown.count("<details>") == 2
+    assert "&lt;b&gt;floor" in shown
+    assert "<b>floor" not in shown
+    table = compare.to_frame(per="segment")
+    assert table.iou.iloc[0] == 0.5 == table.iou.min()
+    assert compare.to_frame(per="name").iou.to_dict() == {("A", "B", "<b>floor"): 0, ("A", "B", "rug"): 0}
+    compare.close()
 
 
 def test_any_number_a_face_is_coloured_on_both_sides(compare):

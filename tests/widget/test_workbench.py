@@ -92,6 +92,13 @@ def test_two_people_on_copies_of_their_own_can_be_compared_and_measured(out, tmp
     errors = bench.measure().rand_index_error  # against one segment, which nobody was shown
     assert errors["b.ply", "bob"] == 0 < errors["b.ply", "ann"]
     assert not any("now" in row and row["now"] for row in bench.queue.rows)
+    theirs = bench.annotations("b.ply")
+    assert {person: found.n_segments for person, found in theirs.items()} == {"ann": 2, "bob": 1}
+    assert bench.annotations("a.ply") == {}
+    agreed = sw.consensus(theirs)
+    dataset = bench.export(tmp_path / "set", agreed=True, validation=0)
+    assert dataset[["scan", "segments", "people"]].values.tolist() == [["b.ply", agreed.n_segments, 2]]
+    assert bench.export(tmp_path / "own", validation=0).segments.tolist() == [1]  # Bob's
 
 
 def test_bad_input_is_explained(out, tmp_path):
