@@ -2,6 +2,7 @@
 
     python tests/benchmarks/color_blind.py pictures/
 
+Writes a picture of each and all four in one, `sights.jpg`, which stands in .github.
 Simulated after Machado, Oliveira and Fernandes (2009), IEEE TVCG 15(6), full severity, in linear light.
 """
 
@@ -35,10 +36,14 @@ def main() -> None:
     picture = png([draw(mesh, labels=truth.labels)], view=(-60, 30), width=900, height=700)
     pixels = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"))
     colors = palette()[label_rows(mesh, truth.labels)]
-    for name in SIGHTS:
-        Image.fromarray(seen(pixels, name)).save(folder / f"{name}.png")
+    sheet = Image.new("RGB", (1000, 778))
+    for k, name in enumerate(SIGHTS):
+        sight = Image.fromarray(seen(pixels, name))
+        sight.save(folder / f"{name}.png")
+        sheet.paste(sight.resize((500, 389)), (k % 2 * 500, k // 2 * 389))
         difference = neighbour_difference(mesh, truth.labels, colors, name)
         print(f"{name}: neighbours differ by {difference:.3f} in Oklab at least")
+    sheet.save(folder / "sights.jpg", quality=80)
 
 
 if __name__ == "__main__":

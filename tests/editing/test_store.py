@@ -467,8 +467,8 @@ def version_of(path):
 
 @pytest.mark.filterwarnings("ignore:.*read-only")
 @pytest.mark.parametrize("read_only", [False, True])
-@pytest.mark.parametrize("name", ["format_1", "format_1_killed"])
-def test_projects_of_the_first_format_open_and_are_brought_up_to_date(tmp_path, monkeypatch, name, read_only):
+@pytest.mark.parametrize("name", ["format_1", "format_1_killed", "format_2", "format_2_killed"])
+def test_projects_of_every_format_open_and_are_brought_up_to_date(tmp_path, monkeypatch, name, read_only):
     path = old_project(tmp_path, name)
     if read_only:
         monkeypatch.setattr(store.os, "access", lambda *_: False)

@@ -63,3 +63,38 @@ def test_text_of_the_queue_stands_out_from_its_rows(theme):
     low = {name: round(contrast(colors[name], colors["paper"]), 2) for name in named}
     low["on-accent"] = round(contrast(colors["on-accent"], colors["accent"]), 2)
     assert {name: value for name, value in low.items() if value < LEAST} == {}
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("field", [0.0, 1.0], ids=["on the page", "in a field"])
+def test_text_of_the_controls_stands_out_from_pages_and_fields(theme, field):
+    text = (STYLE.parents[1] / "controls" / "controls.css").read_text(encoding="utf-8")
+    light, dark = (
+        dict(re.findall(r"--swc-(\w+): ([^;]+);", text.split(start, 1)[1].split("}", 1)[0]))
+        for start in (".swc {", '\n.swc[data-theme="dark"] {')
+    )
+    colors = {"light": light, "dark": light | dark}[theme]
+    page = {"light": "#ffffff", "dark": "#111111"}[theme]  # of JupyterLab
+    *tint, share = (int(x) for x in re.findall(r"\d+", colors["field"]))
+    behind = "#" + "".join(
+        f"{round(c + field * share / 100 * (t - c)):02x}"
+        for c, t in zip((int(page[k : k + 2], 16) for k in (1, 3, 5)), tint)
+    )
+    named = ("ink", "muted", "accent", "wrong", "good")
+    low = {name: round(contrast(colors[name], behind), 2) for name in named}
+    assert {name: value for name, value in low.items() if value < LEAST} == {}
+
+
+def test_nothing_swings_or_slides_for_who_asked_for_less_motion():
+    moving = 0
+    for path in (STYLE.parents[1]).rglob("*.css"):
+        text = path.read_text(encoding="utf-8")
+        calm = text.partition("@media (prefers-reduced-motion: reduce) {")[2]
+        for selector, rule in re.findall(r"([^{}]+)\{([^{}]*)\}", text.replace(calm, "")):
+            for kind in re.findall(r"\b(animation|transition):", rule):
+                last = selector.split("*/")[-1].split()[-1]
+                assert re.search(rf"{re.escape(last)} \{{[^}}]*{kind}: none", calm), (
+                    f"{path.name}: {selector}"
+                )
+                moving += 1
+    assert moving > 0
