@@ -8,6 +8,7 @@
 ``job``       one scan, from its file to its results
 ``rows``      what is known of a scan afterwards, on disk as ``row.json``
 ``places``    folders of this machine and of stores
+``clients``   of Dask clusters, whoever's they are
 ``claims``    one run at a time into a folder
 ``folders``   labels in folders, and the scans that they are of
 ``memory``    how much a scan takes, expected and measured

@@ -24,6 +24,7 @@ from scenewidget.batch.picture import PICTURE, thumbnail
 from scenewidget.batch.places import LocalFolder, RemoteFolder, folder_at, local_copy, referred
 from scenewidget.batch.plan import FORMATS, Job
 from scenewidget.batch.rows import COLUMNS, FAILED, ROW, empty_row, parse_row, spoken_size
+from scenewidget.batch.tiles import segment_tiles
 from scenewidget.editing.formats import export
 from scenewidget.editing.session import Session
 from scenewidget.engine.pipeline import segment
@@ -40,7 +41,7 @@ class _TooLargeError(Exception):
     def __init__(self, need: int, limit: int) -> None:
         super().__init__(
             f"needs about {spoken_size(need)} of memory, and may take {spoken_size(limit)}: "
-            "run it where there is more"
+            "run it where there is more, or in tiles (tile_faces=)"
         )
 
 
@@ -227,12 +228,16 @@ def _segmented(
     with warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always", UserWarning)
         mesh = load(path, units=job.units)
-        need = what_it_takes(mesh.n_faces, is_judged=job.truth != "")
+        need = what_it_takes(mesh.n_faces, is_judged=job.truth != "", tile_faces=job.tile_faces)
         if foretell is not None:
             foretell({"scan": job.scan, "faces": mesh.n_faces, "need": need})
         if limit is not None and need > limit:
             raise _TooLargeError(need, limit)
-        found = segment(mesh, job.params, progress=None if tell is None else progress)
+        hear = None if tell is None else progress
+        if job.tile_faces and not mesh.is_cloud:
+            found = segment_tiles(mesh, job.params, max_faces=job.tile_faces, progress=hear)
+        else:
+            found = segment(mesh, job.params, progress=hear)
     said = [str(one.message) for one in heard if issubclass(one.category, UserWarning)]
     if tell is not None:
         for line in said:
@@ -317,7 +322,8 @@ def _key(path: Path, job: Job) -> str:
         if file.is_file():
             digest.update(f"{name}\n{_digest(file)}".encode())
             waiting += [other for other in referred(file) if other not in waiting]
-    rest = [dataclasses.asdict(job.params), sorted(job.formats), job.units, job.version]
+    rest: list[Any] = [dataclasses.asdict(job.params), sorted(job.formats), job.units, job.version]
+    rest += [job.tile_faces] * bool(job.tile_faces)
     digest.update(json.dumps(rest, sort_keys=True).encode())
     return digest.hexdigest()
 

@@ -10,9 +10,10 @@ __all__ = ["peak", "reset_peak", "what_it_takes"]
 
 AT_LEAST = 600_000_000  # bytes of a process that has loaded everything
 A_FACE, A_FACE_JUDGED = 550, 1000  # bytes, without and with a truth to compare with
+A_FACE_OF_TILES = 150  # bytes of a face that is only held, while a tile is segmented
 
 
-def what_it_takes(n_faces: int, *, is_judged: bool = False) -> int:
+def what_it_takes(n_faces: int, *, is_judged: bool = False, tile_faces: int = 0) -> int:
     """Bytes that segmenting so many faces takes at its peak, with some room to spare.
 
     Measured on scans of up to 11 million faces.
@@ -22,12 +23,16 @@ def what_it_takes(n_faces: int, *, is_judged: bool = False) -> int:
     n_faces : int
     is_judged : bool
         Whether the result is compared with a truth.
+    tile_faces : int
+        Of the largest tile, without its overlap, where it is segmented tile by tile; 0 where it isn't.
 
     Examples
     --------
     >>> what_it_takes(10_000_000) / 1e9
     6.1
     """
+    if tile_faces and not is_judged and n_faces > tile_faces:
+        return AT_LEAST + A_FACE_OF_TILES * n_faces + 2 * A_FACE * tile_faces  # a tile and its overlap
     return AT_LEAST + (A_FACE_JUDGED if is_judged else A_FACE) * n_faces
 
 

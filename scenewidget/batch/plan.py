@@ -44,6 +44,8 @@ class Job:
         As of `load_mesh`.
     truth : str
         File of labels to compare with; "" for none.
+    tile_faces : int
+        Larger scans are segmented tile by tile; 0 for none.
     anew : bool
         Whether to reuse nothing.
     size : int
@@ -64,6 +66,7 @@ class Job:
     formats: tuple[str, ...] = ("npz",)
     units: UnitName | None = None
     truth: str = ""
+    tile_faces: int = 0
     anew: bool = False
     size: int = 0
     version: str = dataclasses.field(default_factory=lambda: version("scenewidget"))

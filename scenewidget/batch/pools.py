@@ -22,11 +22,21 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
 
+from scenewidget.batch.clients import ANSWER, check_where, connected, new_client
 from scenewidget.batch.job import run_job, sweep_up
 from scenewidget.batch.plan import Job
 from scenewidget.engine.threads import KNOB, n_threads
 
-__all__ = ["DaskPool", "InProcess", "OwnWorkers", "Pool", "check_where", "on_worker", "open_pool"]
+__all__ = [
+    "DaskPool",
+    "InProcess",
+    "OwnWorkers",
+    "Pool",
+    "check_where",
+    "connected",
+    "on_worker",
+    "open_pool",
+]
 
 Row = dict[str, Any]
 ROOM = (
@@ -36,7 +46,6 @@ SHARE = 0.9  # of the memory is for workers
 RESTARTS = 20  # of the command that keeps our workers, before we give up
 TOPIC = "scenewidget"
 DASHBOARD = 8787
-ANSWER = 10.0  # seconds for a scheduler to say that it is there, or to hear that a worker is not
 
 
 class Pool(Protocol):
@@ -393,57 +402,9 @@ def open_pool(
         if client is None:
             pool = _own_pool(n_workers, task, stack)
         else:
-            pool = DaskPool(_client(client, stack), task=task)
+            pool = DaskPool(stack.enter_context(connected(client)), task=task)
         stack.callback(pool.close)
         yield pool
-
-
-def check_where(client: Any, n_workers: int | None) -> None:
-    """ValueError, TypeError or ImportError if nobody can work there, as far as that shows without trying.
-
-    Examples
-    --------
-    >>> check_where(None, -1)
-    Traceback (most recent call last):
-        ...
-    ValueError: n_workers must be a whole number, 0 for this process alone, got -1
-    """
-    if n_workers is not None and (
-        isinstance(n_workers, bool) or not isinstance(n_workers, int) or n_workers < 0
-    ):
-        raise ValueError(f"n_workers must be a whole number, 0 for this process alone, got {n_workers!r}")
-    if client is None and n_workers == 0:
-        return
-    if importlib.util.find_spec("distributed") is None:
-        raise ImportError(
-            'several scans at a time want Dask: pip install "scenewidget[batch]"; '
-            "or stay in this process with n_workers=0"
-        )
-    if client is not None and n_workers is not None:
-        raise ValueError("n_workers is for a cluster of our own; with client= leave it out")
-    if client is not None and not isinstance(client, str) and not hasattr(client, "scheduler"):
-        raise TypeError(
-            "client must be a dask.distributed Client or cluster, or the address of a scheduler, "
-            f"got {type(client).__name__}"
-        )
-    if isinstance(client, str):
-        _check_address(client)
-
-
-def _check_address(address: str) -> None:
-    from distributed.comm.addressing import parse_address, parse_host_port
-    from distributed.comm.registry import get_backend
-
-    try:
-        scheme, place = parse_address(address)
-        get_backend(scheme)
-        if scheme in ("tcp", "tls"):
-            parse_host_port(place)
-    except ValueError as error:
-        raise ValueError(
-            "client must be the address of a scheduler, such as 'tcp://10.0.0.5:8786', "
-            f"got {address!r}: {error}"
-        ) from error
 
 
 def _own_pool(n_workers: int | None, task: Callable[[Any], Row], stack: contextlib.ExitStack) -> DaskPool:
@@ -463,7 +424,7 @@ def _own_pool(n_workers: int | None, task: Callable[[Any], Row], stack: contextl
         scheduler_kwargs={"allowed_failures": 1},
     )
     stack.callback(cluster.close)
-    client = stack.enter_context(_connected(cluster))
+    client = stack.enter_context(new_client(cluster))
     workers = OwnWorkers(cluster.scheduler_address, n)
     stack.callback(workers.stop)
     workers.start()
@@ -480,32 +441,6 @@ def _dashboard_port() -> int:
         except OSError:
             return 0
     return DASHBOARD
-
-
-def _client(given: Any, stack: contextlib.ExitStack) -> Any:
-    from distributed import Client
-
-    if isinstance(given, Client):
-        if given.asynchronous:
-            raise TypeError("client is asynchronous; give one that isn't, or the address of its scheduler")
-        if given.status not in ("running", "connecting"):
-            raise ConnectionError(f"client is {given.status}; give one that is open, or an address")
-        return given
-    address = getattr(given, "scheduler_address", given)
-    try:
-        return stack.enter_context(_connected(address, timeout=ANSWER))
-    except (OSError, ValueError, TimeoutError) as error:
-        raise ConnectionError(
-            f"no Dask scheduler answers at {address!r} ({type(error).__name__}: {error}); check the address, "
-            "or leave it out for workers on this machine"
-        ) from error
-
-
-def _connected(to: Any, **options: Any) -> Any:
-    import distributed
-
-    make: Any = distributed.Client
-    return make(to, set_as_default=False, **options)
 
 
 def _gone(client: Any) -> str:

@@ -13,14 +13,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from scenewidget.batch.claims import claim
+from scenewidget.batch.clients import check_where
 from scenewidget.batch.folders import labeled, named_alike
 from scenewidget.batch.places import is_url, join, scans_in
 from scenewidget.batch.plan import FORMATS, Job
-from scenewidget.batch.pools import check_where, open_pool
+from scenewidget.batch.pools import open_pool
 from scenewidget.batch.progress import shown
 from scenewidget.batch.rows import COLUMNS, STATUSES
 from scenewidget.batch.schedule import work_through
 from scenewidget.editing.files import is_blind_to_case
+from scenewidget.engine.checks import checked_count
 from scenewidget.engine.params import Params
 
 if TYPE_CHECKING:
@@ -207,6 +209,7 @@ def segment_all(
     resume: bool = True,
     *,
     units: str | None = None,
+    tile_faces: int | None = None,
     progress: bool | Callable[[Run, dict[str, Any]], None] = True,
     wait: bool = True,
 ) -> Run:
@@ -241,6 +244,9 @@ def segment_all(
         failed, is tried again.
     units : "m" | "cm" | "mm" | "in" | "ft" | "auto", optional
         What the numbers in the scans are, as of `load_mesh`.
+    tile_faces : int, optional
+        Segment scans of more faces tile by tile, see `batch.tiles.segment_tiles`: memory is then that of a
+        tile of so many faces and its overlap, and 150 bytes a face.
     progress : bool or callable (run, row)
         Whether to show a bar with the time left, in a terminal or notebook (there with a button that
         cancels); or who to tell of each scan.
@@ -281,7 +287,9 @@ def segment_all(
     ...     run, run.to_frame().columns[:5].tolist()
     (Run(1 scan: 1 done), ['scan', 'status', 'error', 'seconds', 'faces'])
     """
-    run = planned(scans, out, params, client, n_workers, formats, truth, resume, units=units)
+    run = planned(
+        scans, out, params, client, n_workers, formats, truth, resume, units=units, tile_faces=tile_faces
+    )
     with contextlib.ExitStack() as stack:
         hear = stack.enter_context(shown(run, progress, behind=not wait))
         if wait:
@@ -302,6 +310,7 @@ def planned(
     resume: bool = True,
     *,
     units: str | None = None,
+    tile_faces: int | None = None,
 ) -> Run:
     """What `segment_all` would do with the same arguments, checked, and not yet begun.
 
@@ -331,6 +340,7 @@ def planned(
         "params": params or Params(),
         "formats": _checked_formats(formats),
         "units": units,
+        "tile_faces": 0 if tile_faces is None else checked_count("tile_faces", tile_faces),
         "anew": not resume,
     }
     jobs = [

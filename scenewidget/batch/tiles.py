@@ -1,26 +1,33 @@
 """A scan that is too large to be segmented whole: tiles that overlap, joined where they see the same faces.
 
-Each tile is segmented by itself, so memory is that of the largest tile. Only pairs of faces that a tile has
-seen together count when tiles are joined, by the evidence accumulation of `consensus` (Fred and Jain 2005,
-IEEE TPAMI 27(6)): a floor is one because in the overlap both tiles hold the same faces of it.
+Each tile is segmented by itself, in the unit of the whole scan, so memory is that of the largest tile. Only
+pairs of faces that a tile has seen together count when tiles are joined, by the evidence accumulation of
+`consensus` (Fred and Jain 2005, IEEE TPAMI 27(6)): a floor is one because in the overlap both tiles hold the
+same faces of it. Where a tile ends things are cut through and look otherwise than they are, so that a
+tile has a vote on the nearest quarter of its overlap only.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
 
 import numpy as np
 
+from scenewidget.batch.clients import connected
 from scenewidget.engine.checks import checked_count
 from scenewidget.engine.clouds import PointCloud
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import segment
+from scenewidget.engine.scale import scene_scale
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.hands import consensus
 
 __all__ = ["segment_tiles", "tiles"]
+
+VOTING = 0.25  # of the overlap; farther out a tile is too near to where it is cut
 
 
 def segment_tiles(
@@ -29,6 +36,7 @@ def segment_tiles(
     *,
     max_faces: int = 3_000_000,
     overlap: float = 1.0,
+    client: Any = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> Segmentation:
     """Segment a scan tile by tile; one that fits in a tile exactly as `segment` does.
@@ -41,7 +49,11 @@ def segment_tiles(
     max_faces : int
         Of a tile without its overlap; 3 million take about 2 GB.
     overlap : float
-        Metres by which a tile reaches into its neighbours, on each side.
+        Metres by which a tile reaches into its neighbours, on each side; it votes on the
+        nearest quarter of them.
+    client : distributed.Client, cluster or address, optional
+        Where to segment the tiles, one a thread; by default here, one after the other. The result is the
+        same.
     progress : callable (stage, fraction), optional
 
     Returns
@@ -56,12 +68,14 @@ def segment_tiles(
         A cloud.
     ValueError
         A limit or an overlap that can't be.
+    ConnectionError
+        No scheduler answers.
 
     Notes
     -----
-    Tiles are not seen as the whole is. Of a bedroom of a million faces, three tiles differ from the whole
-    by a Rand index error of 0.005 (another seed: 0.0006), of two rooms side by side by 0.015 (0.002);
-    from the truth they are as far as the whole (0.030), or nearer (0.028 against 0.041).
+    Tiles are not seen as the whole is. Five simulated rooms of 230 000 to 280 000 faces, in two or three
+    tiles, differ from the whole by a Rand index error of 0.0011 to 0.011, 0.004 in the mean (another seed:
+    0.0009 in the mean); from the truth they are 0.001 nearer in the mean.
 
     Examples
     --------
@@ -75,20 +89,72 @@ def segment_tiles(
     parts = tiles(mesh, max_faces=max_faces, overlap=overlap)
     if len(parts) == 1:
         return segment(mesh, params, progress=progress)
-    labels: dict[str, IntArray] = {}
-    sums = np.zeros(mesh.n_faces)
-    n_seen = np.zeros(mesh.n_faces)
-    for k, faces in enumerate(parts):
-        found = segment(mesh.part(faces), params)
-        labels[f"tile {k}"] = np.full(mesh.n_faces, -1, dtype=np.int64)
-        labels[f"tile {k}"][faces] = found.labels
-        sums[faces] += found.confidence
-        n_seen[faces] += 1
+    params = params or Params()
+    if params.scale == "auto":
+        params = params.replace(scale=scene_scale(float(mesh.face_areas.sum())))
+    tasks = ((_part(mesh, faces), params) for faces in parts)
+    found: dict[int, tuple[IntArray, FloatArray]] = {}
+    for k, result in _done(tasks, client):
+        found[k] = result
         if progress is not None:
-            progress("tiles", (k + 1) / len(parts))
+            progress("tiles", len(found) / len(parts))
+    labels: dict[str, IntArray] = {}
+    sums, n_votes = np.zeros(mesh.n_faces), np.zeros(mesh.n_faces)
+    for k, inner in enumerate(tiles(mesh, max_faces=max_faces, overlap=overlap * VOTING)):
+        is_voting = np.isin(parts[k], inner, assume_unique=True)
+        faces = parts[k][is_voting]
+        labels[f"tile {k}"] = np.full(mesh.n_faces, -1, dtype=np.int64)
+        labels[f"tile {k}"][faces] = found[k][0][is_voting]
+        sums[faces] += found[k][1][is_voting]
+        n_votes[faces] += 1
     joined = consensus(labels, mesh)
-    confidence = joined.confidence * (sums / np.maximum(n_seen, 1)).astype(np.float32)
+    confidence = joined.confidence * (sums / np.maximum(n_votes, 1)).astype(np.float32)
     return dataclasses.replace(joined, confidence=confidence, report={"tiles": len(parts)})
+
+
+Tile = tuple[Mesh, Params]
+
+
+def _part(mesh: Mesh, faces: IntArray) -> Mesh:
+    """Some of the faces, with the colours of their corners."""
+    part = mesh.part(faces)
+    if mesh.vertex_colors is None:
+        return part
+    return dataclasses.replace(part, vertex_colors=mesh.vertex_colors[np.unique(mesh.faces[faces])])
+
+
+def _done(tasks: Iterable[Tile], client: Any) -> Iterator[tuple[int, tuple[IntArray, FloatArray]]]:
+    """Number, labels and confidence of each tile, as they come."""
+    if client is None:
+        yield from ((k, _segmented(*task)) for k, task in enumerate(tasks))
+        return
+    from distributed import as_completed
+
+    with connected(client) as ours:
+        as_they_come: Any = as_completed
+        done, running = as_they_come(loop=ours.loop), dict[Any, int]()
+        window = max(1, sum(ours.nthreads().values()))  # more tiles than that would only wait in memory
+        for k, (part, params) in enumerate(tasks):
+            if len(running) == window:
+                future = next(done)
+                yield running.pop(future), future.result()
+            arrays = (part.vertices, part.faces, part.vertex_colors)
+            future = ours.submit(_segmented_elsewhere, *arrays, params, pure=False)
+            running[future] = k
+            done.add(future)
+        for future in done:
+            yield running[future], future.result()
+
+
+def _segmented_elsewhere(
+    vertices: FloatArray, faces: IntArray, colors: Any, params: Params
+) -> tuple[IntArray, FloatArray]:
+    return _segmented(Mesh(vertices, faces, vertex_colors=colors), params)
+
+
+def _segmented(mesh: Mesh, params: Params) -> tuple[IntArray, FloatArray]:
+    found = segment(mesh, params)
+    return found.labels, found.confidence
 
 
 def tiles(mesh: Mesh, *, max_faces: int, overlap: float) -> list[IntArray]:

@@ -67,6 +67,12 @@ def add_parser(commands: Any) -> None:
         help="what to write, npz by default; may be repeated. swproj is a project for the editor",
     )
     parser.add_argument("--units", choices=UNITS, help="what the numbers in the scans are")
+    parser.add_argument(
+        "--tile-faces",
+        type=int,
+        metavar="N",
+        help="segment larger scans tile by tile, for want of memory",
+    )
     parser.add_argument("--anew", action="store_true", help="reuse nothing of an earlier run")
     parser.add_argument("--truth", type=Path, help="folder of true labels; adds their metrics to the table")
     parser.add_argument("--workers", type=int, help="scans at a time, each in a process of its own")
@@ -91,6 +97,7 @@ def run(options: argparse.Namespace) -> int:
         truth=options.truth,
         resume=not options.anew,
         units=options.units,
+        tile_faces=options.tile_faces,
     )
 
     def hear(run: Run, row: dict[str, Any]) -> None:

@@ -8,7 +8,7 @@ import pytest
 import shapes
 
 import scenewidget as sw
-from scenewidget.batch import pools
+from scenewidget.batch import clients, pools
 from scenewidget.batch.runs import planned
 
 FAST = sw.Params(n_segments=2, n_runs=2, n_graph_runs=2)
@@ -125,7 +125,7 @@ def test_wrong_kinds_are_type_errors(scans, tmp_path):
 
 def test_a_scheduler_that_does_not_answer(scans, tmp_path, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr(pools, "ANSWER", 0.5)
+    monkeypatch.setattr(clients, "ANSWER", 0.5)
     with pytest.raises(ConnectionError, match=r"no Dask scheduler answers at 'tcp://127\.0"):
         sw.segment_all(scans, tmp_path / "out", client="tcp://127.0.0.1:9", progress=False)
     with pytest.raises(TypeError, match="client must be a dask"):

@@ -5,7 +5,9 @@ import pytest
 import shapes
 
 import scenewidget as sw
+from scenewidget.batch import tiles as tiles_module
 from scenewidget.batch.tiles import segment_tiles, tiles
+from scenewidget.engine.scale import scene_scale
 
 FAST = sw.Params(n_runs=2, n_graph_runs=2)
 
@@ -43,6 +45,44 @@ def test_tiles_cover_every_face_and_share_what_lies_in_the_overlap():
     assert max(map(len, alone)) <= 200
 
 
+def test_a_tile_votes_on_the_nearest_quarter_of_its_overlap_only(monkeypatch):
+    mesh, seen = corner(), []
+    monkeypatch.setattr(
+        tiles_module, "consensus", lambda labels, mesh: seen.append(labels) or sw.consensus(labels, mesh)
+    )
+    segment_tiles(mesh, FAST, max_faces=200, overlap=1.0)
+    votes = np.sum([labels >= 0 for labels in seen[0].values()], axis=0)
+    expected = np.bincount(np.concatenate(tiles(mesh, max_faces=200, overlap=0.25)), minlength=mesh.n_faces)
+    assert votes.tolist() == expected.tolist()
+
+
+def test_tiles_have_the_colours_and_the_unit_of_the_whole(monkeypatch):
+    mesh = shapes.sheet(24, 8, width=6.0, depth=2.0)
+    colors = np.arange(3 * mesh.n_vertices, dtype=np.uint32).reshape(-1, 3).astype(np.uint8)
+    mesh = sw.Mesh(mesh.vertices, mesh.faces, vertex_colors=colors)
+    seen = []
+    monkeypatch.setattr(
+        tiles_module, "segment", lambda part, params: seen.append((part, params)) or sw.segment(part, params)
+    )
+    segment_tiles(mesh, FAST, max_faces=200, overlap=0.5)
+    assert len(seen) == 2
+    known = dict(zip(map(tuple, mesh.vertices), map(tuple, colors)))
+    for part, params in seen:
+        assert [known[tuple(v)] for v in part.vertices] == list(map(tuple, part.vertex_colors))
+        assert params.scale == scene_scale(float(mesh.face_areas.sum())) != 1
+
+
+def test_tiles_on_somebodys_workers_give_the_same():
+    distributed = pytest.importorskip("distributed")
+    mesh = corner()
+    here = segment_tiles(mesh, FAST, max_faces=200, overlap=0.5)
+    options = {"n_workers": 1, "threads_per_worker": 2, "processes": False, "dashboard_address": None}
+    with distributed.LocalCluster(**options) as cluster:
+        there = segment_tiles(mesh, FAST, max_faces=200, overlap=0.5, client=cluster)
+    assert there.labels.tolist() == here.labels.tolist()
+    np.testing.assert_array_equal(there.confidence, here.confidence)
+
+
 def test_faces_in_one_place_are_one_tile():
     assert len(tiles(shapes.joined(*[shapes.triangle()] * 4), max_faces=1, overlap=0)) == 1
 
@@ -54,3 +94,18 @@ def test_bad_input_is_explained():
         tiles(corner(), max_faces=10, overlap=-1)
     with pytest.raises(ValueError, match="max_faces"):
         tiles(corner(), max_faces=0, overlap=1)
+
+
+def test_many_scans_can_be_segmented_in_tiles(tmp_path):
+    mesh = corner()
+    sw.export(sw.Segmentation.from_labels(mesh, np.zeros(mesh.n_faces, int)), mesh, tmp_path / "a.ply")
+    options = {"n_workers": 0, "progress": False}
+    found = sw.segment_all(tmp_path / "a.ply", tmp_path / "out", FAST, tile_faces=200, **options)
+    assert found.rows["a.ply"]["status"] == "done"
+    labels = sw.import_labels(tmp_path / "a.ply", tmp_path / "out" / "a.ply" / "a.npz")
+    expected = segment_tiles(sw.load(tmp_path / "a.ply"), FAST, max_faces=200)
+    assert labels.labels.tolist() == expected.labels.tolist()
+    whole = sw.segment_all(tmp_path / "a.ply", tmp_path / "out", FAST, **options)
+    assert whole.rows["a.ply"]["status"] == "done"  # not reused: other labels
+    with pytest.raises(ValueError, match="tile_faces must"):
+        sw.segment_all(tmp_path / "a.ply", tmp_path / "out", FAST, tile_faces=0, **options)
