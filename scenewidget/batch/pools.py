@@ -300,6 +300,7 @@ class OwnWorkers:
                 stdin=subprocess.DEVNULL,
                 env=os.environ | memory,
                 start_new_session=True,  # Ctrl-C is for us alone
+                creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),  # the same on Windows
             )
 
     def start_one(self) -> bool:

@@ -12,6 +12,7 @@ import re
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -70,14 +71,35 @@ def import_seconds(module: str) -> float:
     return statistics.median(once(f"import {module}") - once("pass") for _ in range(RUNS))
 
 
+def wheel_megabytes() -> float:
+    """Size of the wheel that this tree makes."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [
+            sys.executable,
+            "-m",
+            "pip",
+            "wheel",
+            "-q",
+            "--no-deps",
+            "--no-build-isolation",
+            "-w",
+            folder,
+        ]
+        subprocess.run([*command, str(ROOT)], check=True)
+        return next(Path(folder).glob("*.whl")).stat().st_size / 1e6
+
+
 def main() -> None:
     print("| package | licence | MB | why |\n|---|---|---|---|")
     for name, why in sorted(reasons().items(), key=lambda item: -megabytes(item[0])):
         print(f"| {name} | {licence(name)} | {megabytes(name):.0f} | {why} |")
     everything = closure("scenewidget")
     total = sum(map(megabytes, everything))
-    print(f"\n{len(everything)} packages, {total:.0f} MB in all, with what they need themselves.")
-    print(f"`import scenewidget`: {import_seconds('scenewidget'):.2f} s")
+    print("\n| | |\n|---|---|")
+    print(f"| packages in all, with what they need themselves | {len(everything)} |")
+    print(f"| installed | {total:.0f} MB |")
+    print(f"| our wheel | {wheel_megabytes():.2f} MB |")
+    print(f"| `import scenewidget` | {import_seconds('scenewidget'):.2f} s |")
 
 
 if __name__ == "__main__":
