@@ -16,7 +16,16 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-__all__ = ["UnansweredError", "UnreadableError", "arrays", "number", "numbers", "rows", "word"]
+__all__ = [
+    "UnansweredError",
+    "UnreadableError",
+    "arrays",
+    "number",
+    "numbers",
+    "refuse_nothing",
+    "rows",
+    "word",
+]
 
 LONGEST = 10_000  # entries of a list, far more than any question asks for
 LONGEST_TEXT = 300
@@ -60,7 +69,7 @@ def number(answer: Any) -> float:
     >>> [number(answer) for answer in (0.25, "1/4", "25 %", [Fraction(1, 4)], np.array([[0.25]]), "¼ m")]
     [0.25, 0.25, 0.25, 0.25, 0.25, 0.25]
     """
-    _refuse_nothing(answer)
+    refuse_nothing(answer)
     if isinstance(answer, (bool, np.bool_)):
         raise UnreadableError("a number is asked for, not True or False")
     if isinstance(answer, (str, bytes)):
@@ -89,7 +98,7 @@ def numbers(answer: Any) -> list[float]:
     >>> numbers("1, 1/2; 3"), numbers({"a": 1, "b": (2,)}), numbers(np.arange(2))
     ([1.0, 0.5, 3.0], [1.0, 2.0], [0.0, 1.0])
     """
-    _refuse_nothing(answer)
+    refuse_nothing(answer)
     if isinstance(answer, (str, bytes)):
         parts = [part for part in re.split(r"[,;\s]+", _text(answer).strip("[](){} ")) if part]
         return [number(part) for part in parts]
@@ -109,7 +118,7 @@ def word(answer: Any) -> str:
     >>> word(" 'Right  Tip' "), word(["More."])
     ('right tip', 'more')
     """
-    _refuse_nothing(answer)
+    refuse_nothing(answer)
     if isinstance(answer, (list, tuple, set, frozenset, np.ndarray)) and np.size(list(answer)[:2]) == 1:
         return word(next(iter(np.ravel(answer) if isinstance(answer, np.ndarray) else answer)))
     if not isinstance(answer, (str, bytes)):
@@ -176,7 +185,16 @@ def _array(result: Any, shape: tuple[int, ...]) -> np.ndarray[Any, Any]:
     return dense.astype(np.float64).reshape(shape)
 
 
-def _refuse_nothing(answer: Any) -> None:
+def refuse_nothing(answer: Any) -> None:
+    """Raise `UnansweredError` for what is no answer yet: ..., None, an empty text, list or array.
+
+    Examples
+    --------
+    >>> refuse_nothing(0)
+    >>> refuse_nothing([])
+    Traceback (most recent call last):
+    scenewidget.exercises.reading.UnansweredError
+    """
     if answer is None or answer is ...:
         raise UnansweredError
     if isinstance(answer, (str, bytes)):

@@ -124,6 +124,14 @@ def test_each_mistake_gets_its_own_hint(name, hint):
     assert exercises.verdict(name, answer) == Verdict(False, f"not yet: {hint}")
 
 
+def edited():
+    """A session on another mesh, with one edit."""
+    mesh = analytic.square(2)
+    session = sw.Session(mesh, sw.Segmentation.from_labels(mesh, [0] * 4 + [1] * 4))
+    session.relabel(0, "table")
+    return session
+
+
 @pytest.mark.parametrize(
     ("name", "answer", "text"),
     [
@@ -150,6 +158,8 @@ def test_each_mistake_gets_its_own_hint(name, hint):
         ("07.2", lambda D: 1, "it is called as update\\(D, labels, k\\)"),
         ("07.2", lambda D, labels, k: D[99], "raised IndexError"),
         ("05.6", lambda values, vectors, times: np.full((36, 7), np.nan), "holds NaN"),
+        ("09.4", "yours", "an edited session is asked for"),
+        ("09.4", edited(), "a session on the room of this notebook"),
         ("99.1", 1, "name must be that of an exercise, such as \".*\", got '99.1'"),
         (None, 1, "got something else \\(NoneType\\)"),
     ],
@@ -226,7 +236,9 @@ BAD_FUNCTIONS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ["02.1", "02.5", "03.1", "03.2", "03.8", "05.1", "06.2", "07.1", "08.2"])
+@pytest.mark.parametrize(
+    "name", ["02.1", "02.5", "03.1", "03.2", "03.8", "05.1", "06.2", "07.1", "08.2", "09.4"]
+)
 def test_garbage_gets_a_sentence_within_a_second(name):
     exercises.verdict(name, 1)  # what is loaded once
     for answer in GARBAGE + (
