@@ -33,8 +33,8 @@ from scenewidget.engine.segmentation import Level, Segmentation
 __all__ = ["Advisor", "Dismissal", "Suggestion"]
 
 SMALLEST = 2e-4  # share of the faces below which a part is not worth a question
-SURE = 0.5  # least probability of what is suggested first
-PROBABLE = 0.15  # least probability of the one that comes where there is nothing of that kind
+SURE = 0.6  # least probability of what is suggested first
+PROBABLE = 0.1  # least probability of the one that comes where there is nothing of that kind
 JOINS = 0.5  # least probability that what is cut off belongs to a neighbour for that to be suggested
 N_SAMPLES = 32  # faces by which a segment is known again
 MOST_CUTS = 12  # of one segment that are looked at

@@ -53,7 +53,7 @@ class Models(NamedTuple):
 
     Attributes
     ----------
-    same : (1 + 6,) of `Borders.measures`
+    same : (1 + 5,) of `Borders.measures`
         That two segments are one thing.
     two : (1 + 3,) of `Cuts.measures`
         That the two sides of a cut are two things.
@@ -69,7 +69,7 @@ class Models(NamedTuple):
     Examples
     --------
     >>> [len(weights) for weights in FITTED]
-    [7, 4, 5, 3, 3]
+    [6, 4, 5, 3, 3]
     """
 
     same: tuple[float, ...]
@@ -83,7 +83,7 @@ class Models(NamedTuple):
 # the odds of a border or cut count for a face as they are.
 RISING, FALLING, WHOLE = (0.0, np.inf), (-np.inf, 0.0), (1.0, 1.0)
 LIMITS = {
-    "same": (RISING, RISING, FALLING, RISING, FALLING, FALLING),
+    "same": (RISING, RISING, FALLING, FALLING, RISING),
     "two": (FALLING, RISING, FALLING),
     "apart": (RISING, FALLING, FALLING, FALLING),
     "rest": (WHOLE, FALLING),
@@ -91,11 +91,11 @@ LIMITS = {
 }
 
 FITTED = Models(
-    same=(-3.001, 1.777, 1.215, -0.538, 0.306, -0.396, -0.902),
-    two=(1.195, -2.434, 0.741, -0.432),
-    apart=(-7.220, 1.345, -2.060, -0.733, -0.327),
-    rest=(-5.387, 1.0, -1.081),
-    foreign=(-0.275, 1.0, 0.086),
+    same=(-4.457, 1.717, 3.619, -0.507, -0.432, 1.972),
+    two=(1.192, -1.726, 0.917, -0.389),
+    apart=(-6.912, 2.244, -2.027, -0.475, -0.453),
+    rest=(-5.156, 1.000, -1.091),
+    foreign=(-0.405, 1.000, 0.075),
 )
 
 
@@ -151,15 +151,18 @@ class Borders:
 
     @property
     def measures(self) -> FloatArray:
-        """(n, 6) what `Models.same` weighs, lengths over the scale."""
+        """(n, 5) what `Models.same` weighs, lengths over the scale.
+
+        The last is how far the surface turns away over a bulging border, from 0 to 2: the sides of one body
+        do, while a picture bulges from its wall and faces the same way.
+        """
         return np.stack(
             [
                 self.by_graph,
                 self.by_medoids,
                 np.log(self.offset / self.scale + FAINT),
-                self.convex,
                 np.log(self.size / self.scale**2 + 1e-4),
-                self.facing,
+                self.convex * (1.0 - self.facing),
             ],
             axis=1,
         )
