@@ -44,7 +44,7 @@ from scenewidget.editing.project_reader import blame, read_project
 from scenewidget.editing.snapshot import Snapshot
 from scenewidget.editing.store import FileChangedError
 from scenewidget.editing.suggestions import Advisor, Dismissal, Suggestion
-from scenewidget.editing.vocabulary import NYU40, chosen_vocabulary
+from scenewidget.editing.vocabulary import NYU40, chosen_vocabulary, in_vocabulary
 from scenewidget.engine.atoms import Atoms
 from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.mesh import BoolArray, IntArray, Mesh
@@ -560,6 +560,41 @@ class Session:
         _check_suggestion(suggestion)
         with self._lock:
             self._log_answer("propose", suggestion)
+
+    def suggest_names(self) -> dict[int, tuple[str, float]]:
+        """Names that geometry tells, in the words of the vocabulary, for segments that have none yet.
+
+        What the vocabulary has no word for is left out: ScanNet's twenty have no ceiling.
+
+        Returns
+        -------
+        names : dict of int to (str, float)
+            Label of `segmentation` to name and the probability that it is right, as
+            `Segmentation.suggest_names` says.
+        """
+        with self._lock:
+            now, words = self.segmentation, self._vocabulary
+        named = {s for s, name in enumerate(now.names) if name}
+        offers = now.suggest_names() if now.n_segments else {}
+        said = {s: (in_vocabulary(name, words), p) for s, (name, p) in offers.items() if s not in named}
+        return {s: offer for s, offer in said.items() if offer[0]}
+
+    def accept_names(self) -> list[Step]:
+        """Give all names of `suggest_names`, each an edit of its own; the most probable last.
+
+        Examples
+        --------
+        >>> import scenewidget as sw
+        >>> mesh, truth = sw.datasets.load_room()
+        >>> session = sw.Session(mesh, sw.Segmentation(mesh, truth.labels), vocabulary="scannet20")
+        >>> sorted({step.edit.name for step in session.accept_names()})
+        ['floor', 'wall']
+        """
+        with self._lock:
+            labels = self.segmentation.labels
+            offers = sorted(self.suggest_names().items(), key=lambda offer: offer[1][1])
+        faces = [int(np.argmax(labels == segment)) for segment, _ in offers]
+        return [self.relabel(face, name) for face, (_, (name, _)) in zip(faces, offers)]
 
     def _log_answer(self, action: Literal["propose", "dismiss"], suggestion: Suggestion) -> None:
         self._log(

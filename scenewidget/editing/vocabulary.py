@@ -15,6 +15,7 @@ __all__ = [
     "SCANNET20",
     "checked_vocabulary",
     "chosen_vocabulary",
+    "in_vocabulary",
     "nyu_class",
     "nyu_id",
     "quick_names",
@@ -111,6 +112,25 @@ def chosen_vocabulary(choice: str | Iterable[str]) -> tuple[str, ...]:
     if choice.lower() not in built_in:
         raise ValueError(f"vocabulary must be 'nyu40', 'scannet20' or a list of names, got {choice!r:.200}")
     return built_in[choice.lower()]
+
+
+def in_vocabulary(name: str, vocabulary: Iterable[str]) -> str:
+    """The word of a vocabulary for what a name says, "" if it has none.
+
+    The same word in whatever letters comes first, then the first that stands for the same class of NYU40.
+
+    Examples
+    --------
+    >>> in_vocabulary("table", ["Desk", "Table"]), in_vocabulary("ceiling", SCANNET20)
+    ('Table', '')
+    >>> in_vocabulary("sofa", ["couch", "lamp"])
+    'couch'
+    """
+    words = list(vocabulary)
+    meant = nyu_class(name)
+    same = [word for word in words if word.lower() == name.lower()]
+    alike = [word for word in words if meant and nyu_class(word) == meant]
+    return next(iter(same + alike), "")
 
 
 def quick_names(vocabulary: Sequence[str], used: Iterable[str], n: int = 7) -> tuple[str, ...]:

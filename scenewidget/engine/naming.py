@@ -1,4 +1,4 @@
-"""Names where geometry tells: floor, ceiling and walls; what could be anything gets none.
+"""Names where geometry tells: floor, ceiling, walls, tables, hanging lamps; what could be anything gets none.
 
 Goes in: pieces of segments. Comes out: for some segments a name and the probability that it is right. The
 rules speak of size, direction, height and of what lies behind; probabilities are the shares of segments that
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scenewidget.engine.mesh import FloatArray
+from scenewidget.engine.mesh import BoolArray, FloatArray
 from scenewidget.engine.pieces import Pieces
 
 __all__ = ["name_segments"]
@@ -19,6 +19,8 @@ FLAT = 0.85  # least length of the mean normal of what faces one way
 LEVEL = 0.95  # least cosine between the normal of floor or ceiling and the vertical
 UPRIGHT = 0.2  # most cosine between the normal of a wall and the vertical
 BEYOND = 0.02  # most of the scene's area that may lie behind what bounds the room
+TABLE = (0.62, 0.82)  # height of a table's top above the floor, metres
+THIN = 0.08  # standard deviation of a table across its top, metres: what is thicker has drawers or cushions
 
 
 def name_segments(pieces: Pieces, up: FloatArray) -> dict[int, tuple[str, float]]:
@@ -34,7 +36,7 @@ def name_segments(pieces: Pieces, up: FloatArray) -> dict[int, tuple[str, float]
     Returns
     -------
     names : dict of int to (str, float)
-        "floor", "ceiling", "wall" of `editing.vocabulary.NYU40`.
+        "floor", "ceiling", "wall", "table", "lamp" of `editing.vocabulary.NYU40`.
 
     Examples
     --------
@@ -54,7 +56,7 @@ def name_segments(pieces: Pieces, up: FloatArray) -> dict[int, tuple[str, float]
     normal = vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-300)
     is_flat = np.linalg.norm(vectors, axis=1) > FLAT * area
     height = pieces.moments.centroid @ up
-    low, high = _extent(pieces, n, height)
+    low, high = _extent(pieces, n, height, up)
     behind = np.array([_behind(pieces, s, center[s], normal[s]) for s in range(n)]) / max(total, 1e-300)
     rising = normal @ up
     out: dict[int, tuple[str, float]] = {}
@@ -71,12 +73,40 @@ def name_segments(pieces: Pieces, up: FloatArray) -> dict[int, tuple[str, float]
     is_wall = bounds & (area > 2.5) & (tall > 1.5) & (width > 0.5)
     for s in np.flatnonzero(is_wall):
         out[int(s)] = ("wall", 0.92)
+    top = [height_ for s, (name, _) in out.items() if name == "ceiling" for height_ in [center[s] @ up]]
+    if top:  # what stands even and upright up to the ceiling is a wall, or a part of one
+        is_even = np.linalg.norm(vectors, axis=1) > 0.97 * area
+        reaches = high > max(top) - 0.15
+        for s in np.flatnonzero(is_even & reaches & (np.abs(rising) < 0.1) & (area > 0.8)):
+            out.setdefault(int(s), ("wall", 0.92))
+    if len(flat_up):
+        above = center @ up - center[floor] @ up
+        spread = np.sqrt(np.maximum(moments.principal()[0], 0.0) / np.maximum(area, 1e-300)[:, None])
+        is_top = (vectors @ up > FLAT * area) & (above > TABLE[0]) & (above < TABLE[1])
+        is_broad = (spread[:, 1] > 0.18) & (spread[:, 2] < 0.7) & (area > 0.5)
+        for s in np.flatnonzero(is_top & is_broad & (spread[:, 0] < THIN)):
+            out.setdefault(int(s), ("table", 0.9))
+        if top:
+            hangs = (low - center[floor] @ up > 1.5) & (high > max(top) - 1.1) & (area > 0.15) & (area < 1.5)
+            is_round = (np.linalg.norm(vectors, axis=1) < 0.42 * area) & (spread[:, 2] < 0.25)
+            for s in np.flatnonzero(hangs & is_round & ~_touching(pieces, n, out, "wall")):
+                out.setdefault(int(s), ("lamp", 0.9))
     return out
 
 
-def _extent(pieces: Pieces, n: int, height: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(n,) lowest and highest place of each segment, by the centers of its pieces and their size."""
-    reach = np.sqrt(pieces.moments.area / np.pi)
+def _touching(pieces: Pieces, n: int, names: dict[int, tuple[str, float]], name: str) -> BoolArray:
+    """(n,) which segments touch one of that name."""
+    is_named = np.array([names.get(s, ("", 0.0))[0] == name for s in range(n)])
+    ends = pieces.segment[pieces.pairs]
+    out = np.zeros(n, dtype=bool)
+    out[ends[is_named[ends[:, ::-1]]]] = True
+    return out
+
+
+def _extent(pieces: Pieces, n: int, height: FloatArray, up: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(n,) lowest and highest place of each segment, its pieces taken as upright rectangles."""
+    spread = np.einsum("i,nij,j->n", up, pieces.moments.scatter, up)
+    reach = np.sqrt(3.0 * np.maximum(spread, 0.0) / np.maximum(pieces.moments.area, 1e-300))
     low, high = np.full(n, np.inf), np.full(n, -np.inf)
     np.minimum.at(low, pieces.segment, height - reach)
     np.maximum.at(high, pieces.segment, height + reach)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import threading
+from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
-from scenewidget.editing.edits import EditError
+from scenewidget.editing.edits import EditError, Relabel
 from scenewidget.editing.session import Session
 from scenewidget.editing.suggestions import WORTH, Suggestion
 from scenewidget.widget.autosave import spoken
@@ -55,7 +56,7 @@ class SuggestionBar:
         self._n_seen = 0  # answers since the last result
 
     def handle(self, message: dict[str, Any]) -> None:
-        """Do what a person asks for: "next", "accept", "skip" or "close"."""
+        """Do what a person asks for: "next", "accept", "skip", "close", or "names"."""
         session, what = self._session(), message.get("do")
         current = self._current if message.get("number") == self._number else None
         if session is None:
@@ -64,6 +65,12 @@ class SuggestionBar:
             return
         if what == "close":
             self._show(None)
+            return
+        if what == "names":
+            self._show(None)
+            named = [step.edit.name for step in session.accept_names() if isinstance(step.edit, Relabel)]
+            counted = ", ".join(f"{n} {name}" for name, n in Counter(named).most_common())
+            self._remark(f"Named {counted}" if named else "No names that the shapes alone tell")
             return
         if what == "accept" and current is not None:
             self._is_following = True

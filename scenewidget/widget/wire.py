@@ -23,7 +23,8 @@ Only in ``mode="edit"``; faces are those of the mesh as given, ``level`` a name 
     done whatever segmentation has come meanwhile.
 ``{"kind": "relabel", "face": 12, "name": "chair", "revision": 3}``
 ``{"kind": "suggest", "do": "next", "number": 0}``
-    Or "accept", "skip", "close": of the ``suggestion`` that has this number.
+    Or "accept", "skip", "close": of the ``suggestion`` that has this number; or "names": give those that the
+    shapes tell.
 ``{"kind": "undo"}``, ``{"kind": "redo"}``, ``{"kind": "go_to", "n": 5}``
     The last one: undo or redo until so many edits are done.
 

@@ -8,6 +8,7 @@ from scenewidget.editing.vocabulary import (
     SCANNET20,
     checked_vocabulary,
     chosen_vocabulary,
+    in_vocabulary,
     nyu_class,
     nyu_id,
     quick_names,
@@ -58,3 +59,19 @@ def test_names_keep_their_keys_until_others_are_used_more_recently():
     assert names == ("lamp", "wall", *NYU40[2:7])
     assert quick_names(["a"], ["b", "a", "c"], n=2) == ("a", "c")
     assert quick_names([], ["x"]) == ("x",)
+
+
+def test_what_geometry_tells_is_said_in_the_words_of_the_vocabulary():
+    mesh, truth = sw.datasets.load_room()
+    plain = sw.Segmentation(mesh, truth.labels)
+    given = {}
+    for words in ("nyu40", "scannet20", ["Floor", "tree"]):
+        session = sw.Session(mesh, plain, vocabulary=words)
+        given[len(session.vocabulary)] = {name for name, _ in session.suggest_names().values()}
+    assert given[40] == {"floor", "ceiling", "wall"}
+    assert given[20] == {"floor", "wall"}
+    assert given[2] == {"Floor"}
+    (step,) = session.accept_names()
+    assert session.segmentation.names[truth.labels[step.edit.face]] == "Floor"
+    assert session.suggest_names() == {}
+    assert in_vocabulary("lamp", SCANNET20) == ""

@@ -47,7 +47,9 @@ def test_what_is_measured_of_a_folded_sheet():
     assert borders.offset[0] == pytest.approx(np.sqrt(1 / 3))
     assert borders.size[0] == pytest.approx(1.0)
     assert borders.convex[0] in (0.0, 1.0)
-    assert borders.measures[0, -1] == pytest.approx(borders.convex[0], abs=1e-9)  # a right angle, if it bulges
+    assert borders.measures[0, -1] == pytest.approx(
+        borders.convex[0], abs=1e-9
+    )  # a right angle, if it bulges
 
 
 def test_a_cut_is_measured_where_the_runs_disagree():

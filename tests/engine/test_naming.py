@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapes
+import trimesh
 
 import scenewidget as sw
 
@@ -30,6 +31,32 @@ def test_what_the_engine_finds_is_named_like_the_truth():
     for segment, (name, _) in names.items():
         inside = (seg.labels == segment) & (TRUTH.labels >= 0)
         assert name in TRUTH.names[np.bincount(TRUTH.labels[inside]).argmax()]
+
+
+def box(size, center):
+    return trimesh.creation.box(size, trimesh.transformations.translation_matrix(center))
+
+
+def test_tables_and_lamps_are_named_by_where_they_are_and_how_they_lie():
+    room = box((5, 4, 2.5), (0, 0, 1.25))
+    room.invert()
+    things = {
+        "table": box((1.4, 0.8, 0.03), (0, 0, 0.7)),
+        "chest": box((1.4, 0.8, 0.7), (1.6, 0, 0.35)),  # as broad and nearly as high, but not thin
+        "lamp": box((0.35, 0.35, 0.3), (0, 0, 1.9)),
+        "vase": box((0.35, 0.35, 0.3), (-2, 1, 1.0)),  # the same, but doesn't hang
+    }
+    things["table"].update_faces(things["table"].face_normals[:, 2] > -0.5)  # a scan doesn't see below
+    parts = [*room.submesh(room.facets, append=False), *things.values()]
+    labels = np.repeat(np.arange(len(parts)), [len(part.faces) for part in parts])
+    mesh = trimesh.util.concatenate(parts)
+    names = sw.Segmentation(sw.load_mesh((mesh.vertices, mesh.faces)), labels).suggest_names(up=(0, 0, 1))
+    found = {segment: name for segment, (name, _) in names.items() if segment >= 6}
+    assert found == {6: "table", 8: "lamp"}
+    assert sorted(name for name, _ in names.values()) == [
+        *["ceiling", "floor", "lamp", "table"],
+        *["wall"] * 4,
+    ]
 
 
 def test_a_table_is_no_room():

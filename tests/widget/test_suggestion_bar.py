@@ -55,6 +55,27 @@ def test_an_accepted_suggestion_is_an_edit_made_in_the_picture_and_begins_the_fi
     widget.close()
 
 
+def test_names_that_shapes_tell_are_given_on_request(widget):
+    ask(widget, "names")
+    names = [name for name in widget.segmentation.names if name]
+    assert {"floor", "ceiling", "wall"} == set(names)
+    assert "Named" in widget.view.status
+    assert "1 floor" in widget.view.status
+    n_edits = len(widget.session.edits)
+    assert n_edits == len(names)
+    ask(widget, "names")
+    assert len(widget.session.edits) == n_edits
+    assert "No names that the shapes alone tell" in widget.view.status
+
+
+def test_the_log_has_what_was_shown(widget):
+    ask(widget, "next")
+    ask(widget, "skip")
+    actions = [operation.action for operation in widget.session.operations]
+    n_shown = 1 + ("title" in widget.view.suggestion)
+    assert actions == ["open", "propose", "dismiss", *["propose"] * (n_shown - 1)]
+
+
 def test_skip_changes_nothing_and_does_not_come_back(widget):
     ask(widget, "next")
     first = widget.view.suggestion

@@ -15,7 +15,7 @@ import { element, textButton } from "../panel/elements.js";
 
 const COPIED_MS = 2500;
 
-/** @param {{ send: (message: Record<string, unknown>) => void, suggest: () => void }} actions */
+/** @param {{ send: (message: Record<string, unknown>) => void, suggest: (what: "next" | "names") => void }} actions */
 export function createBar(actions) {
   const { send } = actions;
   const preset = element("select", {
@@ -27,11 +27,12 @@ export function createBar(actions) {
   const copy = textButton("Copy as code", "Copy these settings as Python");
   const rerun = textButton("Segment again", "Compute with the settings shown, after a cancel or an error");
   const suggest = textButton("Next suggestion", "Show the edit most worth looking at (K in the picture)");
+  const names = textButton("Name what shapes tell", "Name floor, walls and the like that have no name yet");
   rerun.classList.add("swc-rerun");
   const note = element("span", { class: "swc-note", role: "status" });
   const bar = element("div", { class: "swc-bar" }, [
     element("label", { class: "swc-field" }, ["Preset", preset]),
-    ...[reset, copy, suggest, note, rerun],
+    ...[reset, copy, suggest, names, note, rerun],
   ]);
   const scores = element("div", {
     class: "swc-scores",
@@ -43,7 +44,8 @@ export function createBar(actions) {
   let timer = 0;
   preset.onchange = () => send({ kind: "preset", name: preset.value });
   reset.onclick = () => send({ kind: "preset", name: preset.value });
-  suggest.onclick = () => actions.suggest();
+  suggest.onclick = () => actions.suggest("next");
+  names.onclick = () => actions.suggest("names");
   rerun.onclick = () => send({ kind: "rerun" });
   copy.onclick = async () => {
     const isCopied = await copyText(code);
@@ -57,7 +59,7 @@ export function createBar(actions) {
     /** @param {BarState} state */
     update(state) {
       code = state.code;
-      suggest.hidden = !state.canSuggest;
+      suggest.hidden = names.hidden = !state.canSuggest;
       if (preset.options.length !== state.presets.length) {
         preset.replaceChildren(...state.presets.map((name) => element("option", { value: name }, [name])));
       }

@@ -66,7 +66,8 @@ function render({ model, el }) {
       update();
     },
 
-    suggest: () => post(model.get("_channel"), { kind: "suggest" }),
+    /** @param {"next" | "names"} what */
+    suggest: (what) => post(model.get("_channel"), { kind: "suggest", what }),
 
     /** @param {Record<string, unknown>} message */
     send: (message) => model.send(message),

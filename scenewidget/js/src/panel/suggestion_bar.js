@@ -26,7 +26,7 @@ export function createSuggestionBar({ model, view, segments, root, connection, s
   let shown = /** @type {any} */ ({});
   let isWaiting = false; // for Python's answer
 
-  /** @param {"next" | "accept" | "skip" | "close"} what */
+  /** @param {"next" | "accept" | "skip" | "close" | "names"} what */
   function tell(what) {
     if (segments.isPreview || (isWaiting && what !== "close")) return;
     isWaiting = true;
@@ -85,7 +85,7 @@ export function createSuggestionBar({ model, view, segments, root, connection, s
   onModel(model, "change:suggestion", showNext, signal);
   const onMessage = (/** @type {any} */ message) => {
     if (message.kind !== "suggest") return;
-    tell("next");
+    tell(message.what);
     root.focus({ preventScroll: true });
   };
   hear(() => model.get("_channel"), onMessage, signal);

@@ -12,7 +12,7 @@ const state = /** @type {any} */ ({
 function fake(changes = {}) {
   /** @type {any[]} */
   const sent = [];
-  const bar = createBar({ send: (message) => sent.push(message), suggest: () => sent.push("suggest") });
+  const bar = createBar({ send: (message) => sent.push(message), suggest: (what) => sent.push(what) });
   bar.update({ ...state, ...changes });
   return { bar, sent };
 }
@@ -21,14 +21,16 @@ test("its buttons go back to the preset, suggest and compute again", () => {
   const { bar, sent } = fake();
   control(bar.element, "Reset to preset").click();
   control(bar.element, "Next suggestion").click();
+  control(bar.element, "Name what shapes tell").click();
   control(bar.element, "Segment again").click();
-  assert.deepEqual(sent, [{ kind: "preset", name: "best" }, "suggest", { kind: "rerun" }]);
+  assert.deepEqual(sent, [{ kind: "preset", name: "best" }, "next", "names", { kind: "rerun" }]);
 });
 
 test("what makes no sense now isn't offered", () => {
   const { bar } = fake({ nChanged: 0, canSuggest: false });
   assert.equal(control(bar.element, "Reset to preset").disabled, true);
   assert.equal(control(bar.element, "Next suggestion").hidden, true);
+  assert.equal(control(bar.element, "Name what shapes tell").hidden, true);
   assert.equal(control(bar.element, "Segment again").hidden, true);
   assert.equal(bar.scores.hidden, true);
 });
