@@ -296,10 +296,10 @@ class Segmentation:
     def suggest_names(
         self, *, up: tuple[float, float, float] | FloatArray | None = None
     ) -> dict[int, tuple[str, float]]:
-        """Names where geometry tells: floor, ceiling, wall; other segments are left out.
+        """Names where geometry tells: floor, ceiling, wall, table, hanging lamp; others are left out.
 
-        They are offers, nothing is named by them: ``session.relabel(face, name)`` does that. The words are
-        those of NYU40 and of ScanNet's twenty.
+        They are offers, nothing is named by them: ``session.relabel(face, name)`` does that, or
+        ``session.accept_names()``. The words are those of NYU40; `Session` has them in other ones.
 
         Parameters
         ----------
