@@ -38,6 +38,7 @@ __all__ = ["Simplified", "filter_normals", "keep_components", "neighbor_table", 
 
 Simplifier = Literal["fast", "qslim"]
 _FAST_EDGE = 0.02  # mean length that fast-simplification is given: its thresholds are absolute, for metres
+SWEEPS_IN_FILE_ORDER = 60  # of the normal filter; for more it pays to put faces in an order first
 MOST_CUT = 0.1  # share of the sides of faces; raw scans have up to 0.01
 _FAST_SIMPLIFICATION = threading.Lock()  # the library keeps its mesh in a global variable
 
@@ -589,6 +590,9 @@ def filter_normals(
     indptr, indices = neighbor_table(mesh.n_faces, pairs)
     areas = (mesh.face_areas / max(float(mesh.face_areas.max()), 1e-300)).astype(np.float32)  # any unit fits
     here = mesh.face_normals.astype(np.float32)
+    order = _along_cells(mesh.face_centroids) if sweeps > SWEEPS_IN_FILE_ORDER else None
+    if order is not None:
+        here, areas, (indptr, indices) = here[order], areas[order], _reordered(indptr, indices, order)
     there = here.copy()
     bounds = np.linspace(0, mesh.n_faces, n_threads + 1).astype(np.int64)
     with ThreadPoolExecutor(n_threads) as pool:
@@ -601,7 +605,34 @@ def filter_normals(
             for job in jobs:
                 job.result()
             here, there = there, here
-    return here
+    if order is None:
+        return here
+    there[order] = here
+    return there
+
+
+def _along_cells(points: FloatArray) -> IntArray:
+    """(n,) order in which points that lie close come close: along Morton's curve through 1024³ cells."""
+    low = points.min(axis=0)
+    cell = (points - low) * (1023.0 / max(float((points.max(axis=0) - low).max()), 1e-300))
+    code = np.zeros(len(points), dtype=np.uint64)
+    for axis, bits in enumerate(cell.astype(np.uint32).T):
+        for shift, mask in ((16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)):
+            bits = (bits | (bits << np.uint32(shift))) & np.uint32(mask)  # two zeros between any two bits
+        code |= bits.astype(np.uint64) << np.uint64(axis)
+    code = (code << np.uint64(32)) | np.arange(len(points), dtype=np.uint64)
+    code.sort()
+    return (code & np.uint64(0xFFFFFFFF)).astype(np.int64)
+
+
+def _reordered(indptr: IntArray, indices: IntArray, order: IntArray) -> tuple[IntArray, IntArray]:
+    """A table of neighbours for items in another order; those of each item stay in theirs, so do sums."""
+    place = np.empty(len(order), dtype=np.int32)
+    place[order] = np.arange(len(order), dtype=np.int32)
+    count = np.diff(indptr)[order]
+    starts = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
+    source = np.repeat(indptr[:-1][order] - starts[:-1], count) + np.arange(starts[-1], dtype=np.int32)
+    return starts, place[indices[source]]
 
 
 # reordered or fused arithmetic (all of fastmath) is hardly faster, and differs from processor to processor

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import messy_meshes
 
+from scenewidget.engine import preprocess
 from scenewidget.engine.mesh import Mesh, MeshError, connected_components, face_adjacency
 from scenewidget.engine.preprocess import (
     _cut_open,
@@ -349,6 +350,15 @@ def test_threads_change_nothing(n_threads):
     np.testing.assert_array_equal(
         filter_normals(mesh, pairs, n_threads=n_threads), filter_normals(mesh, pairs, n_threads=3)
     )
+
+
+@given(messy_meshes())
+def test_the_order_in_memory_changes_no_bit(mesh):
+    pairs = face_adjacency(mesh)
+    expected = filter_normals(mesh, pairs, sweeps=20)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(preprocess, "SWEEPS_IN_FILE_ORDER", 0)
+        np.testing.assert_array_equal(filter_normals(mesh, pairs, sweeps=20), expected)
 
 
 def test_noise_goes_and_creases_stay():
