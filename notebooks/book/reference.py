@@ -71,7 +71,8 @@ def write(folder: Path) -> list[str]:
     rest = [name for name in found if name not in engine]
     contents = ["Reference", "=========", "", "Every public name, with what goes in, what comes out, and an example that runs.", ""]
     for caption, names in (("What most people use", rest), ("The engine, stage by stage", engine)):
-        contents += [".. toctree::", "   :maxdepth: 1", f"   :caption: {caption}", "", *(f"   {n}" for n in names), ""]
+        short = [f"   {n.removeprefix('engine.')} <{n}>" if n in engine else f"   {n}" for n in names]
+        contents += [".. toctree::", "   :maxdepth: 1", f"   :caption: {caption}", "", *short, ""]
     (folder / "index.rst").write_text("\n".join(contents), encoding="utf-8")
     return list(found)
 
