@@ -375,7 +375,7 @@ def test_where_there_are_no_locks_nothing_is_written(tmp_path, monkeypatch):
     def refuse(*_):
         raise OSError(errno.ENOLCK, "No locks available")
 
-    monkeypatch.setattr(files.fcntl, "flock", refuse)
+    monkeypatch.setattr("fcntl.flock", refuse)
     before = (tmp_path / NAME).read_bytes()
     session = Session.open(tmp_path / NAME, mesh)
     assert session.read_only
