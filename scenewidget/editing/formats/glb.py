@@ -30,7 +30,7 @@ __all__ = ["read", "write"]
 
 UPRIGHT = (-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # quaternion: a quarter turn about x, z becomes −y's
 POINTS = 0  # mode of a primitive
-BYTE, FLOAT, UINT = 5121, 5126, 5125
+SHORT, FLOAT, UINT = 5123, 5126, 5125
 COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 MAX_DEPTH = 50
 
@@ -68,9 +68,11 @@ class _Builder:
         places = mesh.vertices[used].astype("<f4")
         attributes = {"POSITION": self._accessor(places, FLOAT, "VEC3", 34962)}
         if mesh.vertex_colors is not None:
-            padded = np.full((len(used), 4), 255, dtype=np.uint8)
-            padded[:, :3] = mesh.vertex_colors[used]
-            attributes["COLOR_0"] = self._accessor(padded, BYTE, "VEC4", 34962)
+            light = np.ones((len(used), 4), dtype=np.float32)  # in bytes, dark shades would become alike
+            light[:, :3] = to_linear(mesh.vertex_colors[used])
+            attributes["COLOR_0"] = self._accessor(
+                np.round(65535 * light).astype("<u2"), SHORT, "VEC4", 34962
+            )
         primitive = {"attributes": attributes, "material": len(self.materials), "mode": 4}
         if mesh.is_cloud:  # of which `used` are the faces themselves
             primitive["mode"] = POINTS
@@ -99,7 +101,7 @@ class _Builder:
         }
         if type_ == "VEC3":
             accessor |= {"min": array.min(axis=0).tolist(), "max": array.max(axis=0).tolist()}
-        if kind == BYTE:
+        if kind == SHORT:
             accessor["normalized"] = True
         self.accessors.append(accessor)
         self.data.append(data + b"\0" * (-len(data) % 4))
@@ -108,7 +110,11 @@ class _Builder:
 
     def chunks(self) -> Iterator[bytes]:
         content = {
-            "asset": {"version": "2.0", "generator": "scenewidget", "extras": {"seal": SEAL}},
+            "asset": {
+                "version": "2.0",
+                "generator": "scenewidget",
+                "extras": {"seal": SEAL, "colors": "linear"},
+            },
             "scene": 0,
             "scenes": [{"nodes": [0]}],
             "nodes": self.nodes,
