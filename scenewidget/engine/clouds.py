@@ -212,6 +212,20 @@ class PointCloud(Mesh):
         vars(some)["face_areas"] = areas  # what each stood for among all
         return some
 
+    def thinned(self, n: int) -> PointCloud:
+        """At most so many of the points, drawn by a fixed seed; tangent planes are those of what is left.
+
+        Parameters
+        ----------
+        n : int
+        """
+        if n >= self.n_faces:
+            return self
+        some = np.sort(np.random.default_rng(0).choice(self.n_faces, n, replace=False))
+        given, stood = self.given_normals, self.viewpoint  # type: ignore[attr-defined]  # set by _keep
+        stood = stood[some] if stood is not None and stood.ndim == 2 else stood
+        return PointCloud(self.points[some], None if given is None else given[some], viewpoint=stood)
+
     def chosen(self, faces: IntArray) -> PointCloud:
         """As `part`: of a cloud, vertices are points.
 

@@ -6,14 +6,14 @@ Goes in: a mesh. Comes out: the unit that fits best, with the factor to metres.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from scenewidget.engine.gravity import large_axes, up_direction
 from scenewidget.engine.mesh import FloatArray, Mesh
 
-__all__ = ["FACTORS", "METRE", "Unit", "UnitName", "likely_unit", "unit_by_size"]
+__all__ = ["FACTORS", "METRE", "Unit", "UnitName", "likely_unit"]
 
 UnitName = Literal["auto", "m", "cm", "mm", "in", "ft"]
 FACTORS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}  # to metres
@@ -56,8 +56,11 @@ SHELF = (0.7, 0.4)  # metres from the floor to what people put things on: median
 WALL = (2.4, 0.5)  # the same of how high a scan reaches above its floor, where it has no ceiling
 LEAST_SHELF = 0.03  # of the area that faces up must lie above the floor, or it says nothing
 LARGE = 6.0  # extent from which a scan without a ceiling may be in feet or inches
-SMALLEST, LARGEST = 0.02, 300.0  # extents beyond which a cloud is in another unit than metres
+USUAL = (1.5, 12.0)  # extents of a cloud whose unit nobody asks about
+N_POINTS = 30_000  # of a cloud that are enough to tell
+SPREAD_OUT = 1.3  # edges of a mesh for the distance to the sixth neighbour in a cloud as dense
 FLAT = 0.4  # height over width up to which a scan may be of a table
+ONE_PLANE = 0.45  # of the area, that the top of a table has at least
 SURE = 3.0  # nats by which another unit must be more likely than the metre
 
 
@@ -75,16 +78,23 @@ def likely_unit(mesh: Mesh) -> Unit:
     >>> likely_unit(room).name, likely_unit(Mesh(room.vertices * 1000, room.faces)).name
     ('metres', 'millimetres')
     """
-    if mesh.is_cloud:  # has no edges; its reader judges the size alone
-        return METRE
-    extent = np.sort(np.ptp(mesh.bounds, axis=0))[::-1]
-    edge = _median_edge(mesh)
+    low, high = mesh.bounds
+    if mesh.is_cloud:
+        cloud: Any = mesh
+        if USUAL[0] <= float((high - low).max()) <= USUAL[1]:
+            return METRE
+        mesh = some = cloud.thinned(N_POINTS)
+        edge = some.spacing / SPREAD_OUT * float(some.n_faces / cloud.n_faces) ** 0.5
+        low, high = np.percentile(some.points, [1, 99], axis=0)  # a beam may end in the street
+    else:
+        edge = _median_edge(mesh)
+    extent = np.sort(high - low)[::-1]
     if not (extent[0] > 0 and edge > 0):
         return METRE
     axes = large_axes(mesh)[:3]
     opposed = [axis for axis in axes if axis.is_opposed and axis.share > 0.1]
-    is_flat = len(axes) > 0 and not opposed and min(axis.extent for axis in axes) < FLAT * extent[0]
-    kinds = (ROOM, THINGS) if is_flat else (ROOM,)
+    is_flat = bool(axes) and axes[0].share > ONE_PLANE and axes[0].extent < FLAT * extent[0]
+    is_flat = is_flat and not opposed
     heights = []
     shelf, top = 0.0, 0.0
     up = up_direction(mesh) if extent[0] > LARGE else None
@@ -96,36 +106,16 @@ def likely_unit(mesh: Mesh) -> Unit:
         heights.append(max(opposed, key=lambda axis: axis.share / axis.extent).extent)
     scores = []
     for unit, unlikely in UNITS:
-        size = max(
-            _fit(extent[0] * unit.factor, kind[0]) + _fit(edge * unit.factor, kind[1]) for kind in kinds
+        room, things = (
+            _fit(extent[0] * unit.factor, size) + _fit(edge * unit.factor, fine)
+            for size, fine in (ROOM, THINGS)
         )
-        size += sum(max(_fit(height * unit.factor, (HEIGHT, SPREAD)), -6.0) for height in heights)
-        size += max(_fit(shelf * unit.factor, SHELF), -6.0) if shelf > 0 else 0.0
-        size += max(_fit(top * unit.factor, WALL), -3.0) if top > 0 else 0.0
-        scores.append(size - unlikely)
+        room += sum(max(_fit(height * unit.factor, (HEIGHT, SPREAD)), -6.0) for height in heights)
+        room += max(_fit(shelf * unit.factor, SHELF), -6.0) if shelf > 0 else 0.0
+        room += max(_fit(top * unit.factor, WALL), -3.0) if top > 0 else 0.0
+        scores.append((max(room, things) if is_flat else room) - unlikely)
     best = int(np.argmax(scores))
     return UNITS[best][0] if scores[best] > scores[0] + SURE else METRE
-
-
-def unit_by_size(points: FloatArray) -> Unit:
-    """The unit that the size of a cloud fits, which has no faces to tell more.
-
-    Parameters
-    ----------
-    points : (n_points, 3) float
-
-    Examples
-    --------
-    >>> corners = np.array([[0.0, 0, 0], [4500, 3000, 2500]])
-    >>> unit_by_size(corners).name, unit_by_size(corners / 1000).name
-    ('millimetres', 'metres')
-    """
-    low, high = np.percentile(points, [1, 99], axis=0)
-    across = float((high - low).max())
-    if not across > 0 or SMALLEST <= across <= LARGEST:
-        return METRE
-    fits = [unit for unit, _ in UNITS if unit.factor not in (1.0, 0.0254, 0.3048, 1000.0)]
-    return min(fits, key=lambda unit: abs(np.log(across * unit.factor / ROOM[0][0])))
 
 
 def _above_floor(mesh: Mesh, up: FloatArray) -> tuple[float, float]:

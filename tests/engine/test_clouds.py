@@ -5,8 +5,10 @@ import struct
 import numpy as np
 import pytest
 import shapes
+import trimesh
 
 import scenewidget as sw
+from scenewidget.datasets import load_room
 from scenewidget.engine.clouds import PointCloud
 from scenewidget.engine.features import delta_coordinates
 from scenewidget.engine.mesh import Mesh, MeshError, face_adjacency
@@ -14,6 +16,7 @@ from scenewidget.engine.moments import face_moments
 from scenewidget.engine.operators import cotangent_laplacian, eigenbasis, uniform_laplacian
 from scenewidget.engine.readers import load, load_cloud
 from scenewidget.engine.readers.e57 import _stations
+from scenewidget.engine.units import likely_unit
 from scenewidget.figures.drawing import draw
 
 
@@ -290,3 +293,32 @@ def test_an_e57_says_where_the_scanner_stood_for_each_point():
     assert _stations(xml, 4).tolist() == [[1, 2, 3]] * 2 + [[0, 2, 3]] * 2
     assert _stations(xml, 5) is None  # some were invalid
     assert _stations("<e57Root>", 4) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("a.csv", "X;Y;Z;Red;Green;Blue\n0,5;1,25;2;9;8;7\n1,5;2;3;9;8;7\n"),
+     ("a.asc", "//X Y Z R G B Scalar_field\n2\n0.5 1.25 2 9 8 7 .1\n1.5 2 3 9 8 7 .2\n"),
+     ("a.pcd", "VERSION .7\nFIELDS X Y Z Red Green Blue\nSIZE 4 4 4 1 1 1\nTYPE F F F U U U\n"
+      "COUNT 1 1 1 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n0.5 1.25 2 9 8 7\n1.5 2 3 9 8 7\n")],
+)  # fmt: skip
+def test_decimal_commas_counts_behind_names_and_names_in_capitals_are_read(tmp_path, name, text):
+    cloud = load(written(tmp_path, name, text.encode()))
+    assert cloud.points.tolist() == [[0.5, 1.25, 2], [1.5, 2, 3]]
+    assert cloud.vertex_colors.tolist() == [[9, 8, 7]] * 2
+
+
+def test_a_trimesh_of_points_is_a_cloud_and_a_cloud_is_scaled_when_told_its_unit():
+    points = np.random.default_rng(0).random((50, 3))
+    cloud = load(trimesh.PointCloud(points, colors=np.full((50, 4), 9, np.uint8)))
+    assert isinstance(cloud, PointCloud)
+    assert cloud.vertex_colors.tolist() == [[9, 9, 9]] * 50
+    np.testing.assert_allclose(load_cloud(cloud, units="mm").points, points / 1000)
+
+
+@pytest.mark.parametrize(
+    ("per_metre", "factor"), [(1000, 0.001), (100, 0.01), (1 / 0.0254, 0.0254), (1 / 0.3048, 0.3048)]
+)
+def test_the_unit_of_a_cloud_is_told_by_its_planes(per_metre, factor):
+    points, _ = sampled(load_room()[0], 40_000, noise=0.002)
+    assert likely_unit(PointCloud(points * per_metre)).factor == factor

@@ -14,7 +14,7 @@ import trimesh
 from PIL import Image
 
 from scenewidget.engine.mesh import Mesh, MeshError, face_adjacency
-from scenewidget.engine.readers import load_mesh
+from scenewidget.engine.readers import load, load_mesh
 
 V = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]
 F = [[0, 1, 2]]
@@ -142,7 +142,7 @@ OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
         ("a.ply", ply("-4", 1, CORNERS), "promises -4 of element 'vertex'"),
         ("a.ply", ply(4, 0, CORNERS), "holds no triangles, only points"),
         ("a.ply", ply(4, 1, CORNERS + "3 0 1 7\n"), "1 of 1 faces refer to a vertex that does not exist"),
-        ("a.ply", ply(4, 1, CORNERS.replace("1 1 0", "1 nan 0") + "3 0 1 2\n"), "NaN or infinite"),
+        ("a.ply", ply(4, 1, CORNERS.replace("1 1 0", "1 nan 0") + "3 0 1 2\n"), "NaN, infinite or far"),
         ("a.obj", OBJ, "holds no triangles"),
         ("a.obj", OBJ + "f 1 2 9\n", "damaged"),
         ("a.obj", OBJ + "f 1 2 3\nf 1 2", "a face with fewer than three corners"),
@@ -532,7 +532,7 @@ def test_a_bad_corner_costs_its_faces_and_strict_refuses(tmp_path):
     assert mesh.faces_of_file.tolist() == [0, 2]
     assert mesh.n_vertices == 4
     with pytest.raises(
-        MeshError, match=r"1 of 3 faces have NaN or infinite corners .*strict=False drops them"
+        MeshError, match=r"1 of 3 faces have NaN, infinite or far corners .*strict=False drops them"
     ):
         load_mesh(path, strict=True)
     with pytest.warns(UserWarning, match=r"refer to a vertex that does not exist \(9 of 4\)"):
@@ -648,3 +648,68 @@ def test_colours_in_the_spare_bits_of_an_stl(tmp_path):
         struct.pack_into("<H", data, 84 + 50 * k + 48, 31 << 5)
     found = load_mesh(written(tmp_path, "b.stl", bytes(data))).vertex_colors
     assert found.tolist() == [GREEN] * 18 + [RED] * 18
+
+
+# --- other members of the kinds above ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("declared", "values", "expected"),
+    [("float", ".5 .25 1", [128, 64, 255]), ("double", "127 64 255", [127, 64, 255]),
+     ("ushort", "65535 0 32768", [255, 0, 128]), ("int", "255 0 128", [255, 0, 128])],
+)  # fmt: skip
+def test_names_of_a_ply_count_in_any_case_and_colours_in_any_range(tmp_path, declared, values, expected):
+    head = "ply\nformat ascii 1.0\nelement vertex 3\n"
+    head += "".join(f"property float {axis}\n" for axis in "XYZ")
+    head += "".join(f"property {declared} {name}\n" for name in ("Red", "Green", "Blue"))
+    head += "element face 1\nproperty list uchar int Vertex_Indices\nend_header\n"
+    rows = "".join(f"{x} {y} {z} {values}\n" for x, y, z in V)
+    mesh = load_mesh(written(tmp_path, "a.ply", head + rows + "3 0 1 2\n"))
+    assert mesh.vertex_colors.tolist() == [expected] * 3
+
+
+def test_colours_of_gltf_and_mtl_written_as_0_to_255_are_not_cut_off(tmp_path):
+    glb = Glb()
+    glb.square(COLOR_0=np.full((4, 4), [10, 20, 30, 255], np.float32))
+    assert load_mesh(written(tmp_path, "a.glb", glb.bytes())).vertex_colors.tolist() == [[10, 20, 30]] * 4
+    glb = Glb()
+    glb.square(material=colored_material(glb, baseColorFactor=[255, 128, 0, 255]))
+    assert load_mesh(written(tmp_path, "b.glb", glb.bytes())).vertex_colors.tolist() == [[255, 128, 0]] * 4
+    written(tmp_path, "m.mtl", "newmtl a\nKd 200 100 50\n")
+    obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl nowhere\nf 1 2 3\n"
+    with pytest.warns(UserWarning, match="material 'nowhere' is in no library"):
+        mesh = load_mesh(written(tmp_path, "a.obj", obj))
+    assert mesh.vertex_colors.tolist() == [[200, 100, 50]] * 3
+
+
+def test_pictures_of_16_bits_keep_their_greys(tmp_path):
+    written(tmp_path, "m.mtl", "newmtl a\nmap_Kd grey.png\n")
+    Image.fromarray(np.full((2, 2), 128 * 257, dtype=np.uint16)).save(tmp_path / "grey.png")
+    obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt .1 .1\nusemtl a\nf 1/1 2/1 3/1\n"
+    assert load_mesh(written(tmp_path, "a.obj", obj)).vertex_colors.tolist() == [[128] * 3] * 3
+
+
+def test_a_trimesh_with_one_colour_for_all_is_coloured_and_a_scene_is_told_the_way():
+    pbr = trimesh.visual.material.PBRMaterial(baseColorFactor=[255, 0, 9, 255])
+    for coordinates in (None, np.zeros((3, 2))):
+        mesh = trimesh.Trimesh(V, F, process=False)
+        mesh.visual = trimesh.visual.TextureVisuals(uv=coordinates, material=pbr)
+        assert load_mesh(mesh).vertex_colors.tolist() == [[255, 0, 9]] * 3
+    with pytest.raises(TypeError, match=r"got Scene; `scene\.to_mesh\(\)` puts its parts together"):
+        load_mesh(trimesh.Scene([mesh]))
+
+
+def test_a_corner_beyond_all_bounds_costs_its_faces_only():
+    room = shapes.box(4)
+    places = np.vstack([room.vertices, [[1e30, 0, 0]]])
+    faces = np.vstack([room.faces, [[0, 1, len(places) - 1]]])
+    with pytest.warns(UserWarning, match=r"1 of \d+ faces were dropped: they have NaN, infinite or far"):
+        assert load_mesh((places, faces)).n_faces == room.n_faces
+
+
+@pytest.mark.filterwarnings("ignore:.*rounded to steps")
+def test_digits_lost_in_one_column_of_a_text_are_noticed(tmp_path):
+    points = np.random.default_rng(0).random((300, 3)) * 5 + (448_262, 5_411_932, 312)
+    points[:, :2] = points[:, :2].astype(np.float32)
+    rows = "\n".join(f"{x} {y} {z:.3f}" for x, y, z in points.tolist())
+    assert "rounded to steps of 0.5" in load(written(tmp_path, "a.xyz", rows)).report[0]

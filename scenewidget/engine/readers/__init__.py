@@ -19,7 +19,7 @@ from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.clouds import PointCloud
 from scenewidget.engine.mesh import LARGEST, Mesh, MeshError
 from scenewidget.engine.readers import e57, gltf, las, obj, off, pcd, ply, stl, table
-from scenewidget.engine.readers.colors import at_vertices
+from scenewidget.engine.readers.colors import as_bytes, at_vertices
 from scenewidget.engine.readers.repair import checked_triangles, lost_precision, wound_alike
 from scenewidget.engine.readers.scale import in_metres, scale_of
 from scenewidget.engine.readers.scan import Notes, Scan
@@ -118,9 +118,10 @@ def load_mesh(
     elif hasattr(source, "vertices") and hasattr(source, "faces"):
         mesh = _from_arrays(source.vertices, source.faces, _colors_of(source, notes), notes, strict)
     else:
+        way = "; `scene.to_mesh()` puts its parts together" if hasattr(source, "to_mesh") else ""
         raise TypeError(
             "mesh must be a path, a trimesh.Trimesh, a scenewidget.Mesh or (vertices, faces), "
-            f"got {type(source).__name__}"
+            f"got {type(source).__name__}{way}"
         )
     if units is not None or isinstance(source, (str, os.PathLike)):
         mesh = in_metres(mesh, units, notes)
@@ -136,7 +137,7 @@ def load_cloud(
 
     Parameters
     ----------
-    source : path, PointCloud, or (n_points, 3) array
+    source : path, PointCloud, trimesh.PointCloud, or (n_points, 3) array
         Files: PCD (text, binary, compressed), PLY (of a mesh its vertices), XYZ, PTS, ASC, CSV; LAS and LAZ
         by the extra ``las``, E57 by the extra ``e57``. They are known by their content before their suffix.
     strict : bool
@@ -159,7 +160,7 @@ def load_cloud(
     >>> load_cloud([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
     PointCloud(3 points)
     """
-    if isinstance(source, PointCloud):
+    if isinstance(source, PointCloud) and units is None:
         return source
     notes = Notes()
     if isinstance(source, (str, os.PathLike)):
@@ -169,6 +170,14 @@ def load_cloud(
             raise MeshError(f"{path.name!r} is a mesh ({kind.upper()}): sw.load_mesh reads it")
         scan = _guarded(path, kind, _CLOUD_READERS[kind], notes)
         name, place = path.name, str(path.absolute())
+    elif isinstance(source, PointCloud):
+        scan, name, place = Scan(source.points, colors=source.vertex_colors), "cloud", source.source
+        scan.normals, scan.viewpoint = source.given_normals, source.viewpoint  # type: ignore[attr-defined]
+    elif hasattr(source, "vertices") and not hasattr(source, "faces"):
+        scan, name, place = Scan(np.asarray(source.vertices, dtype=np.float64)), "cloud", ""
+        colors = np.asarray(getattr(source, "colors", ()))
+        if colors.ndim == 2 and len(colors) == len(scan.vertices):
+            scan.colors = as_bytes(colors, notes)
     elif isinstance(source, (str, bytes, dict)) or source is None or not hasattr(source, "__len__"):
         raise TypeError(f"cloud must be a path or an (n_points, 3) array, got {type(source).__name__}")
     else:
@@ -208,6 +217,8 @@ def load(
                 return load_mesh(path, strict=strict, units=units)
             except _NoFacesError:
                 return load_cloud(path, strict=strict, units=units)
+    if hasattr(source, "vertices") and not hasattr(source, "faces"):
+        return load_cloud(source, strict=strict, units=units)
     return load_mesh(source, strict=strict, units=units)
 
 
@@ -230,20 +241,25 @@ def _cloud_of(
     viewpoint = scan.viewpoint
     if viewpoint is not None and viewpoint.ndim == 2 and kept is not None:
         viewpoint = viewpoint[kept]
-    points = scan.vertices[chosen]
-    factor, line = scale_of(points, units)
-    if line:
-        notes.say(line, warn=units is None)
-    return PointCloud(
-        points * factor,
-        None if scan.normals is None else scan.normals[chosen],
-        None if scan.colors is None else scan.colors[chosen],
-        None if viewpoint is None else np.asarray(viewpoint) * factor,
-        source=source,
-        report=tuple(notes.lines),
-        faces_of_file=kept,
-        n_file_faces=n,
-    )
+
+    def built(factor: float) -> PointCloud:
+        return PointCloud(
+            scan.vertices[chosen] * factor,
+            None if scan.normals is None else scan.normals[chosen],
+            None if scan.colors is None else scan.colors[chosen],
+            None if viewpoint is None else np.asarray(viewpoint) * factor,
+            source=source,
+            report=tuple(notes.lines),
+            faces_of_file=kept,
+            n_file_faces=n,
+        )
+
+    cloud = built(1.0)
+    factor, line = scale_of(cloud, units)
+    if not line:
+        return cloud
+    notes.say(line, warn=units is None)
+    return built(factor)
 
 
 def _load_file(path: Path, notes: Notes, strict: bool) -> Mesh:
@@ -314,6 +330,12 @@ def _colors_of(source: Any, notes: Notes) -> Any:
     if visual is None or not getattr(visual, "defined", False):
         return None
     if visual.kind == "texture":
+        n, material = len(source.vertices), visual.material
+        uv = getattr(visual, "uv", None)
+        picture = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
+        if uv is None or len(uv) != n or picture is None:
+            plain = getattr(material, "main_color", None)
+            return None if plain is None else np.tile(np.asarray(plain, np.uint8)[:3], (n, 1))
         visual = visual.to_color()
     if visual.kind == "vertex":
         return np.asarray(visual.vertex_colors)[:, :3]

@@ -171,6 +171,9 @@ def open_image(source: Path | bytes, name: str, notes: Notes) -> ByteArray | Non
                 image.draft("RGB", _halved(image.size))
             if image.width * image.height > MAX_PIXELS:
                 raise MeshError(f"{image.width} × {image.height} pixels are more than {MAX_PIXELS}")
+            if image.mode.startswith("I"):  # 16 bits of grey, which Pillow would cut off at 255
+                grey = np.asarray(image.convert("I")) // 257
+                return np.repeat(np.clip(grey, 0, 255).astype(np.uint8)[:, :, None], 3, axis=2)
             return np.asarray(image.convert("RGB"))
     except FileNotFoundError:
         notes.say(f"texture {name!r} is missing: what it colours has no colours", warn=True)

@@ -475,8 +475,16 @@ def _vertex_colors(file: _File, attributes: dict[str, Any], n: int) -> npt.NDArr
     values = values[:n, :3]
     if values.dtype.kind in "iu":  # not marked as normalised, as some programs forget
         values = values / np.float32(np.iinfo(values.dtype).max)
-    light: FloatArray = np.clip(np.nan_to_num(values.astype(np.float32)), 0, 1)
+    light: FloatArray = np.nan_to_num(values.astype(np.float32))
+    highest = float(light.max(initial=0.0))
+    if 1.5 < highest <= 255.5:  # no light, but bytes written as floats
+        file.notes.say(f"vertex colours up to {highest:g} were taken as 0–255")
+        return np.asarray(np.clip(np.round(light), 0, 255), dtype=np.uint8)
+    light = np.clip(light, 0, 1)
     generator = str(file.content["asset"].get("generator", ""))
+    extras = file.content["asset"].get("extras")
+    if generator == "scenewidget" and isinstance(extras, dict) and extras.get("colors") == "linear":
+        return to_srgb(light)  # the scan's; the factor of the material is the colour of the segment
     if "trimesh" in generator or generator == "scenewidget":
         file.notes.say(f"vertex colours were taken as bytes for screens, as {generator[:60]!r} writes them")
         return np.asarray(np.round(255 * light), dtype=np.uint8)
@@ -493,8 +501,14 @@ def _material(file: _File, index: Any) -> tuple[FloatArray, Texture | None, int,
     else:
         base, factor_key = material.get("pbrMetallicRoughness", {}), "baseColorFactor"
         texture_key = "baseColorTexture"
-    factor = np.clip(_numbers(base.get(factor_key, [1, 1, 1, 1]), 4)[:3], 0, 1)
+    factor = _numbers(base.get(factor_key, [1, 1, 1, 1]), 4)[:3]
+    if 1.5 < factor.max() <= 255.5:
+        file.notes.say(f"a base colour up to {factor.max():g} was taken as 0–255")
+        factor = to_linear(np.clip(np.round(factor), 0, 255).astype(np.uint8))
+    factor = np.clip(factor, 0, 1)
     info = base.get(texture_key)
+    if info is None and "emissiveTexture" in material and "baseColorFactor" not in base:
+        info = material["emissiveTexture"]  # scans whose light is in the picture
     if info is None:
         return factor, None, 0, {}
     transform = info.get("extensions", {}).get("KHR_texture_transform", {})

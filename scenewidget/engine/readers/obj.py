@@ -248,7 +248,8 @@ def _color(text: str) -> tuple[float, float, float] | None:
     except ValueError:  # a spectrum, or damage
         return None
     r, g, b = (values * 3)[:3] if len(values) == 1 else (*values, 0.0, 0.0)[:3]
-    return (r, g, b)
+    scale = 1 / 255 if 1.0 < max(r, g, b) <= 255.0 and min(r, g, b) >= 0.0 else 1.0  # some write bytes
+    return (r * scale, g * scale, b * scale)
 
 
 def _take_map(material: _Material, text: str) -> None:
@@ -313,6 +314,7 @@ def _material_colors(
     for name, k in number.items():
         material = known.get(name)
         if material is None:
+            notes.say(f"material {name[:60]!r} is in no library: what it colours has no colours", warn=True)
             continue
         mine = code == k
         picture = material.picture

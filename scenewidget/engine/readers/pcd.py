@@ -28,7 +28,7 @@ def read(path: Path, notes: Notes) -> Scan:
     """Points of the PCD at ``path``; ``notes`` hear what was guessed or lost."""
     data = path.read_bytes()
     head, start = _header(path, data)
-    fields, n = head["FIELDS"], int(head["POINTS"][0])
+    fields, n = [name.lower() for name in head["FIELDS"]], int(head["POINTS"][0])
     counts = [int(c) for c in head.get("COUNT", ["1"] * len(fields))]
     kinds = [t.lower() + s for t, s in zip(head["TYPE"], head["SIZE"])]
     if not len(fields) == len(kinds) == len(counts) or not set(kinds) <= {
@@ -153,8 +153,9 @@ def _decompress(data, out):  # type: ignore[no-untyped-def]
 
 def _colors(columns: dict[str, Any], form: str, notes: Notes) -> Any:
     """(n, 3) of fields r, g, b, or of one that packs them into the bits of a float or an integer."""
-    if all(name in columns for name in "rgb"):
-        return as_bytes(np.stack([columns[name] for name in "rgb"], axis=1), notes)
+    for names in (("r", "g", "b"), ("red", "green", "blue")):
+        if all(name in columns for name in names):
+            return as_bytes(np.stack([columns[name] for name in names], axis=1), notes)
     packed = columns.get("rgb", columns.get("rgba"))
     if packed is None:
         return None

@@ -64,6 +64,7 @@ def read(path: Path, notes: Notes) -> Scan:
     columns = _read_text(path, data, start, elements) if order == "" else {}
     if order:
         columns = _read_binary(path, data, start, elements, order)
+    columns = {name: _lower(found) for name, found in columns.items()}
     vertex = columns.get("vertex", {})
     if any(axis not in vertex for axis in "xyz"):
         raise MeshError(f"{path.name!r} has no vertices with x, y and z: it holds no geometry")
@@ -90,6 +91,11 @@ def read(path: Path, notes: Notes) -> Scan:
         if strips is not None:
             scan.corners = _strip_triangles(strips.values)
     return scan
+
+
+def _lower(columns: dict[str, Any]) -> dict[str, Any]:
+    """The same columns by names in lower case; of two that differ in case alone the first counts."""
+    return {name.lower(): found for name, found in reversed(list(columns.items()))}
 
 
 def columns_of(path: Path) -> tuple[dict[str, dict[str, Any]], list[str]]:
@@ -445,7 +451,7 @@ def _typed(path: Path, values: FloatArray, p: _Property) -> npt.NDArray[Any]:
     if p.dtype[0] == "f":
         return values
     if not np.isfinite(values).all() or (np.floor(values) != values).any():
-        if p.name in CORNERS:
+        if p.name.lower() in CORNERS:
             raise MeshError(f"{path.name!r} is damaged: a corner of a face is no whole number")
         return values  # other columns: some programs declare bytes and write fractions
     limits = np.iinfo(p.dtype)

@@ -12,7 +12,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, MeshError, weld
+from scenewidget.engine.mesh import LARGEST, BoolArray, FloatArray, IntArray, Mesh, MeshError, weld
 from scenewidget.engine.readers.polygons import triangulated
 from scenewidget.engine.readers.scan import Notes, Scan
 
@@ -42,7 +42,7 @@ def checked_triangles(
         whole = np.isfinite(corners) & (np.abs(corners) < 2**53) & (corners == np.floor(corners))
         corners = np.where(whole, corners, -1).astype(np.int64)
     is_good: Any = np.logical_and(corners >= 0, corners < len(scan.vertices))
-    is_finite: BoolArray = np.asarray(np.isfinite(scan.vertices).all(axis=1))
+    is_finite = _usable(scan.vertices)
     n_missing = int((~is_good).sum())
     first_missing = int(corners[~is_good][0]) if n_missing else 0
     if not is_finite.all():
@@ -73,14 +73,20 @@ def checked_triangles(
     return triangles, kept[home]
 
 
+def _usable(vertices: FloatArray) -> BoolArray:
+    """(n_vertices,) whether a place is one that can be worked with: finite, and not beyond all bounds."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray((np.abs(vertices) <= LARGEST).all(axis=1))
+
+
 def _judge_dropped(
     scan: Scan, n: int, n_missing: int, first: int, notes: Notes, strict: bool, name: str
 ) -> None:
     """Say, or refuse, that polygons with bad corners go."""
-    n_bad = int((~np.isfinite(scan.vertices).all(axis=1)).sum())
+    n_bad = int((~_usable(scan.vertices)).sum())
     why = f"refer to a vertex that does not exist ({first} of {len(scan.vertices)})" if n_missing else ""
     if n_bad:
-        why += (" or " if why else "") + f"have NaN or infinite corners ({n_bad} vertices do)"
+        why += (" or " if why else "") + f"have NaN, infinite or far corners ({n_bad} vertices do)"
     most = max(1, scan.n_polygons // (100 if n_missing else 2))
     if strict or n > most or n == scan.n_polygons:
         way = "strict=False drops them" if strict and n <= most < scan.n_polygons else "the data are damaged"
@@ -195,8 +201,9 @@ def lost_precision(vertices: FloatArray, notes: Notes) -> None:
 
 def _step(points: FloatArray, far: FloatArray) -> float:
     """To what positions far from the origin were rounded: of 32-bit floats, or of few decimals."""
-    if np.array_equal(points.astype(np.float32), points):
-        return float(np.spacing(np.float32(far.max())))
+    largest = int(far.argmax())
+    if np.array_equal(points[:, largest].astype(np.float32), points[:, largest]):
+        return float(np.spacing(np.float32(far[largest])))
     sample = points[:: max(1, len(points) // 100_000)]
     for digits in range(-2, 4):
         if np.abs(np.round(sample, digits) - sample).max() < 1e-9 * far.max():

@@ -6,9 +6,10 @@ import dataclasses
 
 import numpy as np
 
-from scenewidget.engine.mesh import FloatArray, Mesh
+from scenewidget.engine.clouds import PointCloud
+from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.readers.scan import Notes
-from scenewidget.engine.units import FACTORS, METRE, Unit, UnitName, likely_unit, unit_by_size
+from scenewidget.engine.units import FACTORS, METRE, Unit, UnitName, likely_unit
 
 __all__ = ["in_metres", "scale_of"]
 
@@ -34,19 +35,18 @@ def in_metres(mesh: Mesh, units: UnitName | None, notes: Notes) -> Mesh:
     return dataclasses.replace(mesh, vertices=mesh.vertices * factor, report=report)
 
 
-def scale_of(points: FloatArray, units: UnitName | None) -> tuple[float, str]:
-    """Factor to metres of the points of a cloud, and a line on the unit where there is something to say.
+def scale_of(cloud: PointCloud, units: UnitName | None) -> tuple[float, str]:
+    """Factor to metres of a cloud, and a line on the unit where there is something to say.
 
     Parameters
     ----------
-    points : (n_points, 3) float
+    cloud : PointCloud
+        In the unit of its file.
     units : str, optional
-        As of `in_metres`; without faces only the size tells.
+        As of `in_metres`.
     """
-    unit = METRE if units not in (None, "auto") else unit_by_size(points)
-    across = float(np.subtract(*np.percentile(points, [99, 1], axis=0)).max())
-    factor, line = _scaled(unit, across, units)
-    return factor, line
+    unit = METRE if units not in (None, "auto") else likely_unit(cloud)
+    return _scaled(unit, float(np.ptp(cloud.bounds, axis=0).max()), units)
 
 
 def _scaled(unit: Unit, across: float, units: UnitName | None) -> tuple[float, str]:

@@ -14,6 +14,8 @@ from scenewidget.engine.readers.text import numbers, row_lengths
 
 __all__ = ["read"]
 
+HEAD = 1 << 12  # bytes that tell how columns and decimals are written
+
 NAMES = {  # that the columns of x, y, z, red, green, blue and the normal go by, in lower case
     **{name: name for name in ("x", "y", "z", "r", "g", "b", "nx", "ny", "nz")},
     **{f"{name}_coordinate": name for name in "xyz"},
@@ -38,12 +40,16 @@ def read(path: Path, notes: Notes) -> Scan:
         words = re.split(r"[\s,;]+", first.decode("utf-8", "replace").strip().lstrip("#/ "))
         names = [NAMES.get(word.strip('"').lower(), "?") for word in words]
         data = data[len(first) :]
+    sample = data[:HEAD]
+    if b"," in sample and (b";" in sample or b"\t" in sample) and re.search(rb"\d,\d", sample):
+        data = data.replace(b",", b".")  # decimals as half of Europe writes them
     for mark in (b";", b","):
         if mark in first:
             data = data.replace(mark, b" ")
     promised = None
-    if not names and re.fullmatch(rb"\s*\d{1,15}\s*", first):  # PTS: the number of points
-        promised, data = int(first), data[len(first) :]
+    count = re.match(rb"\s*(\d{1,15})[ \t\r]*\n", data)
+    if count is not None:  # PTS, and CloudCompare behind its names: the number of points
+        promised, data = int(count[1]), data[count.end() :]
     try:
         values, width = numbers(data), row_lengths(data)
     except MeshError as error:
