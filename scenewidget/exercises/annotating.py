@@ -14,16 +14,15 @@ from scenewidget.editing import Session
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.exercises import reading
-from scenewidget.exercises.guard import within
 from scenewidget.exercises.judging import (
     NOT_YET,
-    PATIENCE,
     Exercise,
     FunctionExercise,
     ListExercise,
     NumberExercise,
     Verdict,
     WordExercise,
+    _read,
 )
 
 __all__ = ["EXERCISES", "SessionExercise"]
@@ -49,8 +48,8 @@ class SessionExercise(Exercise):
     complains: Callable[[Session], str]
 
     def _judged(self, answer: Any) -> Verdict:
-        reading.refuse_nothing(answer)
-        if not within(PATIENCE, lambda: isinstance(answer, Session)):
+        _read(reading.refuse_nothing, answer)
+        if not issubclass(type(answer), Session):  # of its type, for an answer may say anything of itself
             raise reading.UnreadableError(
                 "an edited session is asked for: yours = sw.Session(mesh, seg), then edits"
             )
