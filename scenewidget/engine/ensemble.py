@@ -20,6 +20,7 @@ from scenewidget.engine.items import Items
 from scenewidget.engine.kmedoids import Ties, alternate, initial_medoids
 from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
 from scenewidget.engine.monitor import SILENT, Monitor
+from scenewidget.engine.scale import along_curve
 
 __all__ = ["MemberInit", "felzenszwalb_members", "given_members", "k_medoids_members", "merge_flat"]
 
@@ -219,16 +220,9 @@ def _evenly(place: IntArray, start: FloatArray) -> FloatArray:
 
 
 def _curve(items: Items) -> IntArray:
-    """(n,) place of each item along a curve that fills space (Morton 1966): neighbours are mostly near."""
-    low = items.centroids.min(axis=0)
-    side = max(float(np.ptp(items.centroids, axis=0).max()), 1e-300)
-    cell = ((items.centroids - low) * (1023 / side)).astype(np.int64)
-    code = np.zeros(items.n, dtype=np.int64)
-    for bit in range(10):
-        for axis in range(3):
-            code |= ((cell[:, axis] >> bit) & 1) << (3 * bit + axis)
+    """(n,) place of each item along a curve through the scene: neighbours are mostly near."""
     place = np.empty(items.n, dtype=np.int64)
-    place[np.argsort(code, kind="stable")] = np.arange(items.n)
+    place[along_curve(items.centroids)] = np.arange(items.n)
     return place
 
 

@@ -33,6 +33,7 @@ from scenewidget.engine.mesh import (
     weld,
 )
 from scenewidget.engine.monitor import SILENT, Monitor
+from scenewidget.engine.scale import along_curve
 
 __all__ = ["Simplified", "filter_normals", "keep_components", "neighbor_table", "simplify"]
 
@@ -590,7 +591,7 @@ def filter_normals(
     indptr, indices = neighbor_table(mesh.n_faces, pairs)
     areas = (mesh.face_areas / max(float(mesh.face_areas.max()), 1e-300)).astype(np.float32)  # any unit fits
     here = mesh.face_normals.astype(np.float32)
-    order = _along_cells(mesh.face_centroids) if sweeps > SWEEPS_IN_FILE_ORDER else None
+    order = along_curve(mesh.face_centroids) if sweeps > SWEEPS_IN_FILE_ORDER else None
     if order is not None:
         here, areas, (indptr, indices) = here[order], areas[order], _reordered(indptr, indices, order)
     there = here.copy()
@@ -609,20 +610,6 @@ def filter_normals(
         return here
     there[order] = here
     return there
-
-
-def _along_cells(points: FloatArray) -> IntArray:
-    """(n,) order in which points that lie close come close: along Morton's curve through 1024³ cells."""
-    low = points.min(axis=0)
-    cell = (points - low) * (1023.0 / max(float((points.max(axis=0) - low).max()), 1e-300))
-    code = np.zeros(len(points), dtype=np.uint64)
-    for axis, bits in enumerate(cell.astype(np.uint32).T):
-        for shift, mask in ((16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)):
-            bits = (bits | (bits << np.uint32(shift))) & np.uint32(mask)  # two zeros between any two bits
-        code |= bits.astype(np.uint64) << np.uint64(axis)
-    code = (code << np.uint64(32)) | np.arange(len(points), dtype=np.uint64)
-    code.sort()
-    return (code & np.uint64(0xFFFFFFFF)).astype(np.int64)
 
 
 def _reordered(indptr: IntArray, indices: IntArray, order: IntArray) -> tuple[IntArray, IntArray]:
