@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
-import socket
 import threading
 import time
 import uuid
@@ -18,7 +16,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from scenewidget.batch.places import folder_at, is_url
-from scenewidget.editing.files import FileLock, explain
+from scenewidget.editing.files import FileLock, explain, spoken_process, this_process
 
 __all__ = ["Claim", "claim"]
 
@@ -134,7 +132,7 @@ class _InStore:
             now = self._others()
             alive = [text for name, text in now.items() if before.get(name) != text]
             if alive:
-                return _told(alive[0])
+                return spoken_process("another run", alive[0])
             before = now
         for name in before:
             self._folder.remove(name)
@@ -155,13 +153,4 @@ class _InStore:
 
     def _write(self) -> None:
         self._n_beats += 1
-        facts = {"process": os.getpid(), "computer": socket.gethostname(), "beat": self._n_beats}
-        self._folder.write(self._name, json.dumps(facts))
-
-
-def _told(text: str) -> str:
-    try:
-        facts = json.loads(text)
-        return f"another run (process {int(facts['process'])} on {str(facts['computer'])[:60]!r})"
-    except (ValueError, TypeError, KeyError):
-        return "another run"
+        self._folder.write(self._name, json.dumps({**this_process(), "beat": self._n_beats}))

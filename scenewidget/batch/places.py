@@ -7,7 +7,6 @@ folder before they are sent; fsspec, which comes with Dask, knows the stores.
 from __future__ import annotations
 
 import contextlib
-import glob
 import json
 import os
 import re
@@ -17,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from scenewidget.editing.files import explain, replacing
+from scenewidget.editing.files import explain, left_behind, replacing
 from scenewidget.engine.readers.sniff import MESHES
 
 __all__ = [
@@ -337,7 +336,7 @@ class LocalFolder:
     def sweep(self, names: Iterable[str]) -> None:
         """Remove what a process that was killed has left half written of these files."""
         for name in names:
-            for path in self.path.glob(f".{glob.escape(name)}.*.tmp"):
+            for path in left_behind(self.path / name):
                 with contextlib.suppress(OSError):
                     path.unlink()
 

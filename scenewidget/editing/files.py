@@ -29,10 +29,13 @@ __all__ = [
     "explain",
     "is_blind_to_case",
     "is_one_name",
+    "left_behind",
     "real",
     "replacing",
     "replacing_all",
+    "spoken_process",
     "sync_folder",
+    "this_process",
 ]
 
 
@@ -137,11 +140,16 @@ def _beside(path: Path) -> Path:
 
 
 def _sweep(path: Path) -> None:
-    """Remove what killed processes have left beside a file."""
-    for old in path.parent.glob(f".{glob.escape(path.name)}.*.tmp") if path.parent.is_dir() else ():
+    """Remove what killed processes have left beside a file, some time ago: others may be writing it now."""
+    for old in left_behind(path):
         with contextlib.suppress(OSError):
             if old.stat().st_mtime < time.time() - 3600:
                 old.unlink()
+
+
+def left_behind(path: Path) -> list[Path]:
+    """What is half written of a file: by a process at work, or by one that was killed."""
+    return list(path.parent.glob(f".{glob.escape(path.name)}.*.tmp")) if path.parent.is_dir() else []
 
 
 def _second_name(path: Path) -> Path | None:
@@ -269,7 +277,7 @@ class FileLock:
             if is_current or ON_WINDOWS:
                 os.ftruncate(descriptor, 0)
                 os.lseek(descriptor, 0, os.SEEK_SET)
-                os.write(descriptor, json.dumps(_self_description()).encode())
+                os.write(descriptor, json.dumps(this_process()).encode())
                 self._descriptor = descriptor
                 return ""
             os.close(descriptor)  # its owner has just removed it: take the next one
@@ -331,18 +339,27 @@ class Handle:
             self._descriptor = None
 
 
-def _self_description() -> dict[str, object]:
+def this_process() -> dict[str, object]:
+    """By which others may know who has a lock."""
     return {"process": os.getpid(), "computer": socket.gethostname()}
 
 
+def spoken_process(who: str, text: str | bytes) -> str:
+    """Who wrote what `this_process` says, as JSON; ``who`` alone where it can't be read."""
+    try:
+        data = json.loads(text)
+        return f"{who} (process {int(data['process'])} on {str(data['computer'])[:60]!r})"
+    except (ValueError, TypeError, KeyError):
+        return who
+
+
 def _describe(descriptor: int) -> str:
+    who = "another kernel or script"
     try:
         os.lseek(descriptor, 0, os.SEEK_SET)
-        data = json.loads(os.read(descriptor, 500))
-        process, computer = int(data["process"]), str(data["computer"])[:60]
-    except (OSError, ValueError, TypeError, KeyError):
-        return "another kernel or script"
-    return f"another kernel or script (process {process} on {computer!r})"
+        return spoken_process(who, os.read(descriptor, 500))
+    except OSError:
+        return who
 
 
 def _try_lock_all_names(descriptor: int) -> bool:
