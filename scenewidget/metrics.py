@@ -516,8 +516,7 @@ def _surface_graph(mesh: Mesh, faces: IntArray, edge: IntArray, opposite: IntArr
     order = np.lexsort((weight, code))  # an edge of two faces comes twice: the shortest stands
     order = order[np.concatenate([[True], np.diff(code[order]) > 0]) & (low != high)[order]]
     n = mesh.n_vertices
-    pairs = low[order].astype(np.int32), high[order].astype(np.int32)  # the oldest SciPy walks no others
-    return sparse.csr_array((weight[order], pairs), shape=(n, n))
+    return sparse.csr_array((weight[order], (low[order], high[order])), shape=(n, n))
 
 
 def _mean_distance_to(graph: sparse.csr_array, mesh: Mesh, from_edge: IntArray, to_edge: IntArray) -> float:
@@ -637,8 +636,8 @@ def _sparse_matching(
 ) -> tuple[IntArray, IntArray]:
     # Each row may also take a column of its own that is worth 0; costs are shifted by 2 because an
     # explicit 0 is no edge to scipy.
-    rows = np.concatenate([i, np.arange(n_rows)]).astype(np.int32)  # the oldest SciPy matches no others
-    columns = np.concatenate([j, n_columns + np.arange(n_rows)]).astype(np.int32)
+    rows = np.concatenate([i, np.arange(n_rows)])
+    columns = np.concatenate([j, n_columns + np.arange(n_rows)])
     cost = np.concatenate([2.0 - value, np.full(n_rows, 2.0)])
     graph = sparse.csr_array((cost, (rows, columns)), shape=(n_rows, n_columns + n_rows))
     matched_rows, matched = csgraph.min_weight_full_bipartite_matching(graph)
