@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import shapes
 from test_store import run
+from windows import SharingError
 
 import scenewidget as sw
 from scenewidget.editing import files
@@ -155,18 +156,12 @@ def test_exporting_through_a_link_writes_where_it_leads(room, tmp_path):
     assert (inner / "b.npz").is_file()
 
 
-class WindowsSharingError(PermissionError):
-    """What Windows says to whoever replaces a file that another program has open."""
-
-    winerror = 32
-
-
 def test_what_another_program_holds_on_windows_stays_and_is_explained(tmp_path, monkeypatch):
     path = tmp_path / "room.ply"
     path.write_text("old")
 
     def replace(self, target):
-        raise WindowsSharingError(13, "Permission denied")
+        raise SharingError(13, "Permission denied")
 
     monkeypatch.setattr(type(path), "replace", replace)
     with (
@@ -186,7 +181,7 @@ def test_what_another_program_holds_for_a_moment_is_waited_for(tmp_path, monkeyp
     def replace(self, target):
         tries.append(target)
         if len(tries) < 3:  # as an index or a scanner of viruses does with new files
-            raise WindowsSharingError(13, "Permission denied")
+            raise SharingError(13, "Permission denied")
         return take(self, target)
 
     monkeypatch.setattr(type(path), "replace", replace)
