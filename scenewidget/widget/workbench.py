@@ -274,9 +274,7 @@ class Workbench(widgets.VBox):
             The scan is gone.
         """
         entry = self._entry(scan)
-        files = {} if entry.has_failed else self._work.hands(entry)
-        mesh = self._work.mesh(entry, self._scans) if files else None
-        return {person: read_labels(path, mesh) for person, path in files.items()}
+        return self._read(entry, self._copies(entry))
 
     def agreement(self) -> pd.DataFrame:
         """How far people agree who correct copies of their own: `agreement`, a row a scan and pair.
@@ -290,8 +288,9 @@ class Workbench(widgets.VBox):
 
         tables = {}
         for scan, entry in self._work.entries.items():
-            if not entry.has_failed and len(self._work.hands(entry)) > 1:
-                tables[scan] = agreement(self.annotations(scan))
+            copies = self._copies(entry)
+            if len(copies) > 1:
+                tables[scan] = agreement(self._read(entry, copies))
         if not tables:
             raise ValueError(
                 "no scan has been corrected by two people; give each Workbench(…, person=…, own=True)"
@@ -383,6 +382,13 @@ class Workbench(widgets.VBox):
             known = ", ".join(map(repr, list(self._work.entries)[:3]))
             raise ValueError(f"there is no scan {scan!r}; there are {known} …")
         return entry
+
+    def _copies(self, entry: Entry) -> dict[str, Path]:
+        return {} if entry.has_failed else self._work.hands(entry)
+
+    def _read(self, entry: Entry, files: dict[str, Path]) -> dict[str, Segmentation]:
+        mesh = self._work.mesh(entry, self._scans) if files else None
+        return {person: read_labels(path, mesh) for person, path in files.items()}
 
     # --- opening and leaving ----------------------------------------------------------------------
 
