@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from scenewidget.batch.places import is_hidden, scans_in
 from scenewidget.batch.rows import ROW, read_row
@@ -22,7 +23,17 @@ from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.readers import load
 from scenewidget.engine.segmentation import Segmentation
 
-__all__ = ["LABELS", "Labeled", "hands", "labeled", "mesh_of", "named_alike", "own_copies", "read_labels"]
+__all__ = [
+    "LABELS",
+    "Labeled",
+    "hands",
+    "labeled",
+    "mesh_of",
+    "named_alike",
+    "own_copies",
+    "project_name",
+    "read_labels",
+]
 
 LABELS = (  # of several files of one scan the first is read: a project may hold corrections
     ".swproj", ".npz", ".npy", ".aggregation.json", ".xml", ".ply", ".glb", ".txt", ".label",
@@ -55,11 +66,10 @@ def labeled(path: Path) -> dict[str, Labeled]:
     rows = {row.parent: content for row in sorted(path.rglob(ROW)) if (content := read_row(row)) is not None}
     for folder, row in rows.items():
         files = [folder / name for name in row.get("files", {})]
-        files.append(folder / f"{Path(row['scan']).stem}.swproj")  # which a `Workbench` may have made since
+        files.append(folder / project_name(row["scan"]))  # which a `Workbench` may have made since
         best = min((f for f in files if _rank(f) < len(LABELS) and f.exists()), key=_rank, default=None)
         if best is not None:
-            name = str(Path(row["scan"]).with_suffix("").as_posix())
-            found[row["scan"] if name in found else name] = Labeled(best, str(row.get("source", "")))
+            _file_under(found, row, best)
     for file in sorted((p for p in path.rglob("*") if _rank(p) < len(LABELS) and p.is_file()), key=_rank):
         inside = file.relative_to(path)
         if not any(parent in rows for parent in file.parents) and not is_hidden(inside):
@@ -78,10 +88,25 @@ def own_copies(path: Path) -> dict[str, dict[str, Labeled]]:
         if row is None:
             continue
         for person, copy in hands(file.parent, row["scan"]).items():
-            own = found.setdefault(person, {})
-            name = str(Path(row["scan"]).with_suffix("").as_posix())
-            own[row["scan"] if name in own else name] = Labeled(copy, str(row.get("source", "")))
+            _file_under(found.setdefault(person, {}), row, copy)
     return dict(sorted(found.items()))
+
+
+def _file_under(found: dict[str, Labeled], row: Mapping[str, Any], file: Path) -> None:
+    """Add a file to others under the name of its scan, without the suffix where that is free."""
+    name = str(Path(row["scan"]).with_suffix("").as_posix())
+    found[row["scan"] if name in found else name] = Labeled(file, str(row.get("source", "")))
+
+
+def project_name(scan: str, person: str = "") -> str:
+    """Of the file beside a scan's results in which all correct it, or a person a copy of their own.
+
+    Examples
+    --------
+    >>> project_name("kitchen/a.ply"), project_name("kitchen/a.ply", "ann")
+    ('a.swproj', 'a.ann.swproj')
+    """
+    return Path(scan).stem + (f".{person}" if person else "") + ".swproj"
 
 
 def hands(folder: Path, scan: str) -> dict[str, Path]:

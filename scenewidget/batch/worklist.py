@@ -16,7 +16,7 @@ from typing import Any, Literal
 
 import pandas as pd
 
-from scenewidget.batch.folders import LABELS, hands, read_labels
+from scenewidget.batch.folders import LABELS, hands, project_name, read_labels
 from scenewidget.batch.picture import PICTURE
 from scenewidget.batch.rows import FAILED, ROW, parse_row
 from scenewidget.editing.files import FileLock, replacing
@@ -173,8 +173,7 @@ class Worklist:
         ----------
         entry : Entry
         """
-        stem = Path(entry.scan).stem
-        return entry.folder / (f"{stem}.{_plain(self.person)}.swproj" if self.own else f"{stem}.swproj")
+        return entry.folder / project_name(entry.scan, _plain(self.person) if self.own else "")
 
     def note(
         self,
