@@ -323,7 +323,8 @@ def _key(path: Path, job: Job) -> str:
             digest.update(f"{name}\n{_digest(file)}".encode())
             waiting += [other for other in referred(file) if other not in waiting]
     rest: list[Any] = [dataclasses.asdict(job.params), sorted(job.formats), job.units, job.version]
-    rest += [job.tile_faces] * bool(job.tile_faces)
+    if job.tile_faces:
+        rest.append(job.tile_faces)
     digest.update(json.dumps(rest, sort_keys=True).encode())
     return digest.hexdigest()
 

@@ -27,16 +27,7 @@ from scenewidget.batch.job import run_job, sweep_up
 from scenewidget.batch.plan import Job
 from scenewidget.engine.threads import KNOB, n_threads
 
-__all__ = [
-    "DaskPool",
-    "InProcess",
-    "OwnWorkers",
-    "Pool",
-    "check_where",
-    "connected",
-    "on_worker",
-    "open_pool",
-]
+__all__ = ["DaskPool", "InProcess", "OwnWorkers", "Pool", "on_worker", "open_pool"]
 
 Row = dict[str, Any]
 ROOM = (
@@ -235,8 +226,10 @@ class DaskPool:
 
     def enlarge(self) -> bool:
         """One worker with all the memory, if they are ours."""
-        before = set(self._client.nthreads()) if self._workers is not None else set()
-        if self._workers is None or not self._workers.start_one():
+        if self._workers is None:
+            return False
+        before = set(self._client.nthreads())
+        if not self._workers.start_one():
             return False
         end = time.monotonic() + ANSWER  # a job handed to one that has just been ended would be blamed for it
         while before & set(self._client.nthreads()) and time.monotonic() < end:
