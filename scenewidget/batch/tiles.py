@@ -18,7 +18,7 @@ import numpy as np
 from scenewidget.batch.clients import connected
 from scenewidget.engine.checks import checked_count
 from scenewidget.engine.clouds import PointCloud
-from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import segment
 from scenewidget.engine.scale import scene_scale
@@ -86,13 +86,15 @@ def segment_tiles(
     """
     if isinstance(mesh, PointCloud) or not isinstance(mesh, Mesh):
         raise TypeError(f"mesh must be a Mesh, got {type(mesh).__name__}")
-    parts = tiles(mesh, max_faces=max_faces, overlap=overlap)
-    if len(parts) == 1:
+    _check_overlap(overlap)
+    boxes, centers = _boxes(mesh, max_faces), mesh.face_centroids[:, :2]
+    if len(boxes) == 1:
         return segment(mesh, params, progress=progress)
+    parts = [np.flatnonzero(_within(centers, box, overlap)) for box in boxes]
     params = params or Params()
     if params.scale == "auto":
         params = params.replace(scale=scene_scale(float(mesh.face_areas.sum())))
-    tasks = ((_part(mesh, faces), params) for faces in parts)
+    tasks = ((mesh.part(faces), params) for faces in parts)
     found: dict[int, tuple[IntArray, FloatArray]] = {}
     for k, result in _done(tasks, client):
         found[k] = result
@@ -100,8 +102,8 @@ def segment_tiles(
             progress("tiles", len(found) / len(parts))
     labels: dict[str, IntArray] = {}
     sums, n_votes = np.zeros(mesh.n_faces), np.zeros(mesh.n_faces)
-    for k, inner in enumerate(tiles(mesh, max_faces=max_faces, overlap=overlap * VOTING)):
-        is_voting = np.isin(parts[k], inner, assume_unique=True)
+    for k, box in enumerate(boxes):
+        is_voting = _within(centers[parts[k]], box, overlap * VOTING)
         faces = parts[k][is_voting]
         labels[f"tile {k}"] = np.full(mesh.n_faces, -1, dtype=np.int64)
         labels[f"tile {k}"][faces] = found[k][0][is_voting]
@@ -113,14 +115,7 @@ def segment_tiles(
 
 
 Tile = tuple[Mesh, Params]
-
-
-def _part(mesh: Mesh, faces: IntArray) -> Mesh:
-    """Some of the faces, with the colours of their corners."""
-    part = mesh.part(faces)
-    if mesh.vertex_colors is None:
-        return part
-    return dataclasses.replace(part, vertex_colors=mesh.vertex_colors[np.unique(mesh.faces[faces])])
+Box = tuple[FloatArray, FloatArray]  # least and most x and y
 
 
 def _done(tasks: Iterable[Tile], client: Any) -> Iterator[tuple[int, tuple[IntArray, FloatArray]]]:
@@ -176,11 +171,21 @@ def tiles(mesh: Mesh, *, max_faces: int, overlap: float) -> list[IntArray]:
     >>> [len(faces) for faces in tiles(analytic.square(8), max_faces=64, overlap=0.125)]
     [80, 80]
     """
-    max_faces = checked_count("max_faces", max_faces)
+    _check_overlap(overlap)
+    centers = mesh.face_centroids[:, :2]
+    return [np.flatnonzero(_within(centers, box, overlap)) for box in _boxes(mesh, max_faces)]
+
+
+def _check_overlap(overlap: float) -> None:
     if not (isinstance(overlap, int | float) and np.isfinite(overlap) and overlap >= 0):
         raise ValueError(f"overlap must be a length in metres from 0 on, got {overlap!r}")
+
+
+def _boxes(mesh: Mesh, max_faces: int) -> list[Box]:
+    """Of all tiles, without their overlap."""
+    max_faces = checked_count("max_faces", max_faces)
     centers = mesh.face_centroids[:, :2]
-    boxes: list[tuple[FloatArray, FloatArray]] = []
+    boxes: list[Box] = []
     waiting: list[tuple[IntArray, FloatArray, FloatArray]] = [
         (np.arange(mesh.n_faces), np.full(2, -np.inf), np.full(2, np.inf))
     ]
@@ -197,7 +202,10 @@ def tiles(mesh: Mesh, *, max_faces: int, overlap: float) -> list[IntArray]:
         below, above = high.copy(), low.copy()
         below[axis] = above[axis] = middle
         waiting += [(faces[~is_left], above, high), (faces[is_left], low, below)]
-    return [
-        np.flatnonzero(((centers >= low - overlap) & (centers < high + overlap)).all(axis=1))
-        for low, high in boxes
-    ]
+    return boxes
+
+
+def _within(centers: FloatArray, box: Box, overlap: float) -> BoolArray:
+    """(n,) which places lie in a box, or so near to it."""
+    low, high = box
+    return np.asarray(((centers >= low - overlap) & (centers < high + overlap)).all(axis=1))

@@ -196,14 +196,15 @@ class Mesh:
         return chosen
 
     def part(self, faces: IntArray) -> Mesh:
-        """Some of the faces, in their order, with the vertices that they use.
+        """Some of the faces, in their order, with the vertices that they use and their colours.
 
         Parameters
         ----------
         faces : (n,) int
         """
         used, corners = np.unique(self.faces[faces], return_inverse=True)
-        return Mesh(self.vertices[used], corners.reshape(-1, 3))
+        colors = None if self.vertex_colors is None else self.vertex_colors[used]
+        return Mesh(self.vertices[used], corners.reshape(-1, 3), colors)
 
     @cached_property
     def _adjacency(self) -> IntArray:
