@@ -53,8 +53,9 @@ def name_segments(pieces: Pieces, up: FloatArray) -> dict[int, tuple[str, float]
     moments = pieces.moments.gather(pieces.segment, n)
     area, center = moments.area, moments.centroid
     vectors = np.stack([np.bincount(pieces.segment, v, n) for v in pieces.vectors.T], axis=1)
-    normal = vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-300)
-    is_flat = np.linalg.norm(vectors, axis=1) > FLAT * area
+    length = np.linalg.norm(vectors, axis=1)
+    normal = vectors / np.maximum(length, 1e-300)[:, None]
+    is_flat = length > FLAT * area
     height = pieces.moments.centroid @ up
     low, high = _extent(pieces, n, height, up)
     behind = np.array([_behind(pieces, s, center[s], normal[s]) for s in range(n)]) / max(total, 1e-300)
@@ -73,22 +74,23 @@ def name_segments(pieces: Pieces, up: FloatArray) -> dict[int, tuple[str, float]
     is_wall = bounds & (area > 2.5) & (tall > 1.5) & (width > 0.5)
     for s in np.flatnonzero(is_wall):
         out[int(s)] = ("wall", 0.92)
-    top = [height_ for s, (name, _) in out.items() if name == "ceiling" for height_ in [center[s] @ up]]
-    if top:  # what stands even and upright up to the ceiling is a wall, or a part of one
-        is_even = np.linalg.norm(vectors, axis=1) > 0.97 * area
-        reaches = high > max(top) - 0.15
+    tops = [float(center[s] @ up) for s in np.flatnonzero(flat_down)]
+    if tops:  # what stands even and upright up to the ceiling is a wall, or a part of one
+        is_even = length > 0.97 * area
+        reaches = high > max(tops) - 0.15
         for s in np.flatnonzero(is_even & reaches & (np.abs(rising) < 0.1) & (area > 0.8)):
             out.setdefault(int(s), ("wall", 0.92))
     if len(flat_up):
-        above = center @ up - center[floor] @ up
+        ground = center[floor] @ up
+        above = center @ up - ground
         spread = np.sqrt(np.maximum(moments.principal()[0], 0.0) / np.maximum(area, 1e-300)[:, None])
         is_top = (vectors @ up > FLAT * area) & (above > TABLE[0]) & (above < TABLE[1])
         is_broad = (spread[:, 1] > 0.18) & (spread[:, 2] < 0.7) & (area > 0.5)
         for s in np.flatnonzero(is_top & is_broad & (spread[:, 0] < THIN)):
             out.setdefault(int(s), ("table", 0.9))
-        if top:
-            hangs = (low - center[floor] @ up > 1.5) & (high > max(top) - 1.1) & (area > 0.15) & (area < 1.5)
-            is_round = (np.linalg.norm(vectors, axis=1) < 0.42 * area) & (spread[:, 2] < 0.25)
+        if tops:
+            hangs = (low - ground > 1.5) & (high > max(tops) - 1.1) & (area > 0.15) & (area < 1.5)
+            is_round = (length < 0.42 * area) & (spread[:, 2] < 0.25)
             for s in np.flatnonzero(hangs & is_round & ~_touching(pieces, n, out, "wall")):
                 out.setdefault(int(s), ("lamp", 0.9))
     return out
