@@ -476,10 +476,10 @@ def _vertex_colors(file: _File, attributes: dict[str, Any], n: int) -> npt.NDArr
     if values.dtype.kind in "iu":  # not marked as normalised, as some programs forget
         values = values / np.float32(np.iinfo(values.dtype).max)
     light: FloatArray = np.nan_to_num(values.astype(np.float32))
-    highest = float(light.max(initial=0.0))
-    if 1.5 < highest <= 255.5:  # no light, but bytes written as floats
-        file.notes.say(f"vertex colours up to {highest:g} were taken as 0–255")
-        return np.asarray(np.clip(np.round(light), 0, 255), dtype=np.uint8)
+    written = _bytes_as_floats(light)
+    if written is not None:
+        file.notes.say(f"vertex colours up to {light.max():g} were taken as 0–255")
+        return written
     light = np.clip(light, 0, 1)
     generator = str(file.content["asset"].get("generator", ""))
     extras = file.content["asset"].get("extras")
@@ -492,6 +492,13 @@ def _vertex_colors(file: _File, attributes: dict[str, Any], n: int) -> npt.NDArr
     return light
 
 
+def _bytes_as_floats(values: FloatArray) -> npt.NDArray[np.uint8] | None:
+    """The bytes that some programs write where light, from 0 to 1, is meant; None where it is light."""
+    if not 1.5 < float(values.max(initial=0.0)) <= 255.5:
+        return None
+    return np.clip(np.round(values), 0, 255).astype(np.uint8)
+
+
 def _material(file: _File, index: Any) -> tuple[FloatArray, Texture | None, int, dict[str, Any]]:
     """Base colour factor, texture, number of its coordinates, and how they are transformed."""
     material = file.entry("materials", index)
@@ -502,9 +509,10 @@ def _material(file: _File, index: Any) -> tuple[FloatArray, Texture | None, int,
         base, factor_key = material.get("pbrMetallicRoughness", {}), "baseColorFactor"
         texture_key = "baseColorTexture"
     factor = _numbers(base.get(factor_key, [1, 1, 1, 1]), 4)[:3]
-    if 1.5 < factor.max() <= 255.5:
+    written = _bytes_as_floats(factor)
+    if written is not None:
         file.notes.say(f"a base colour up to {factor.max():g} was taken as 0–255")
-        factor = to_linear(np.clip(np.round(factor), 0, 255).astype(np.uint8))
+        factor = to_linear(written)
     factor = np.clip(factor, 0, 1)
     info = base.get(texture_key)
     if info is None and "emissiveTexture" in material and "baseColorFactor" not in base:
