@@ -22,7 +22,7 @@ from scenewidget.exercises.judging import (
     NumberExercise,
     Verdict,
     WordExercise,
-    _read,
+    read_in_time,
 )
 
 __all__ = ["EXERCISES", "SessionExercise"]
@@ -48,7 +48,7 @@ class SessionExercise(Exercise):
     complains: Callable[[Session], str]
 
     def _judged(self, answer: Any) -> Verdict:
-        _read(reading.refuse_nothing, answer)
+        read_in_time(reading.refuse_nothing, answer)
         if not issubclass(type(answer), Session):  # of its type, for an answer may say anything of itself
             raise reading.UnreadableError(
                 "an edited session is asked for: yours = sw.Session(mesh, seg), then edits"

@@ -19,7 +19,15 @@ import numpy as np
 from scenewidget.exercises import reading
 from scenewidget.exercises.guard import FailedError, TooSlowError, within
 
-__all__ = ["Exercise", "FunctionExercise", "ListExercise", "NumberExercise", "Verdict", "WordExercise"]
+__all__ = [
+    "Exercise",
+    "FunctionExercise",
+    "ListExercise",
+    "NumberExercise",
+    "Verdict",
+    "WordExercise",
+    "read_in_time",
+]
 
 PATIENCE = 0.8  # seconds for all that an answer does itself
 NOT_YET = "not yet: "
@@ -80,8 +88,24 @@ class Exercise(ABC):
     def _judged(self, answer: Any) -> Verdict: ...
 
 
-def _read(reader: Callable[[Any], Any], answer: Any) -> Any:
-    """What the reader makes of the answer, in time; its own sentences come through."""
+def read_in_time(reader: Callable[[Any], Any], answer: Any) -> Any:
+    """What the reader makes of the answer, in time; its own sentences come through.
+
+    Parameters
+    ----------
+    reader : callable (answer) -> Any
+    answer : Any
+
+    Raises
+    ------
+    TooSlowError, FailedError
+        The answer, asked by the reader, took too long or raised.
+
+    Examples
+    --------
+    >>> read_in_time(reading.number, "1/4")
+    0.25
+    """
 
     def guarded() -> tuple[Any, Exception | None]:
         try:
@@ -110,7 +134,7 @@ class NumberExercise(Exercise):
     is_exact: bool = False
 
     def _judged(self, answer: Any) -> Verdict:
-        given = _read(reading.number, answer)
+        given = read_in_time(reading.number, answer)
         right = float(self.right())
         if abs(given - right) < 1e-6 if self.is_whole or self.is_exact else _is_rounded(given, right):
             return Verdict(True, f"right: {self.why}")
@@ -154,7 +178,7 @@ class WordExercise(Exercise):
     choices: Callable[[], list[str]]
 
     def _judged(self, answer: Any) -> Verdict:
-        given = _read(reading.word, answer)
+        given = read_in_time(reading.word, answer)
         choices = self.choices()
         if given not in [choice.casefold() for choice in choices]:
             return Verdict(False, f"{NOT_YET}one of these is asked for: {', '.join(choices)}")
@@ -176,7 +200,7 @@ class ListExercise(Exercise):
     in_order: bool = True
 
     def _judged(self, answer: Any) -> Verdict:
-        given = _read(self.reads, answer)
+        given = read_in_time(self.reads, answer)
         if self.accepts is not None:
             complaint = self.accepts(given)
             return Verdict(False, NOT_YET + complaint) if complaint else Verdict(True, f"right: {self.why}")
@@ -214,7 +238,7 @@ class FunctionExercise(Exercise):
     def _judged(self, answer: Any) -> Verdict:
         if answer is None or answer is ...:
             raise reading.UnansweredError
-        if not _read(_is_function, answer):
+        if not read_in_time(_is_function, answer):
             raise reading.UnreadableError(
                 f"a function {self.signature} is asked for: give its name, without brackets"
             )
@@ -242,7 +266,7 @@ class FunctionExercise(Exercise):
                     f"{NOT_YET}your function gives back nothing (None): is there a `return` at its end?",
                 )
             try:
-                results[name] = _read(partial(self._taken, like=ours[name]), result)
+                results[name] = read_in_time(partial(self._taken, like=ours[name]), result)
             except reading.UnreadableError as sentence:
                 return Verdict(False, f"{NOT_YET}for {name} {sentence}")
             except FailedError as failure:
