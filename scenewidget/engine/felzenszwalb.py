@@ -13,7 +13,7 @@ import numpy as np
 from scenewidget.engine.atoms import by_first_appearance
 from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray
-from scenewidget.engine.seam_lists import joined_along_seams
+from scenewidget.engine.seam_lists import ascending, joined_along_seams
 
 __all__ = ["Grown", "grown_pieces", "join_along_seams", "join_light_edges", "without_small"]
 
@@ -46,7 +46,7 @@ def join_light_edges(
     sizes : (n_items,) float, optional
         Size of each item; 1 each by default, so that a size is a count.
     order : (n_pairs,) int, optional
-        ``np.argsort(weights, kind="stable")`` where the caller has it already.
+        `seam_lists.ascending` of the weights, where the caller has it already.
 
     Returns
     -------
@@ -120,7 +120,7 @@ def grown_pieces(
     if not threshold >= 0:
         raise ValueError(f"threshold must be at least 0, got {threshold}")
     if order is None:
-        order = np.argsort(weights, kind="stable")
+        order = ascending(weights)
     size = np.ones(n_items) if sizes is None else np.array(sizes, dtype=np.float64)
     first, second = (np.ascontiguousarray(side[order], dtype=np.int32) for side in pairs.T)
     weight = np.ascontiguousarray(weights[order], dtype=np.float64)

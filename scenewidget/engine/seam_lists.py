@@ -14,7 +14,10 @@ import numpy as np
 from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray
 
-__all__ = ["insert", "joined_along_seams", "remove"]
+__all__ = ["ascending", "insert", "joined_along_seams", "remove"]
+
+WAITING = -1  # place in the heap of a seam that comes again when it or a limit changes
+UNCHANGED = -2  # of one that comes in the order of the start
 
 
 def joined_along_seams(
@@ -66,37 +69,70 @@ def joined_along_seams(
     ends = np.array(pairs, dtype=np.int64, order="C")
     sums, lengths = np.array(sums, np.float64, order="C"), np.array(lengths, np.float64)
     size, limits = np.array([] if sizes is None else sizes, np.float64), np.array(limits, np.float64)
+    weight = np.empty((2, m))
+    weight[:] = np.abs(sums).max(axis=1, initial=0.0) / lengths
+    weight[1] += doubt / np.sqrt(lengths) if doubt > 0 else 0.0
+    key = ends.copy() if doubt > 0 else np.zeros((m, 2), np.int64)
+    order = np.lexsort((key[:, 1], key[:, 0], weight[1])) if doubt > 0 else ascending(weight[1])
     _join(
-        roots, ends, sums, n_signed, lengths, limits, float(doubt), size, float(threshold),
+        roots, ends, sums, n_signed, lengths, limits, float(doubt), size, float(threshold), order,
         np.full(n, -1), np.full((2, 2 * m), -1), np.zeros(n, np.int64), np.full(n, -1),
-        np.full((2, m), -1), np.empty((2, m)), np.zeros((m, 2), np.int64),
+        np.full((2, m), -1), weight, key,
     )  # fmt: skip
     while not np.array_equal(roots, roots[roots]):
         roots = roots[roots]
     return roots
 
 
+def ascending(values: FloatArray) -> IntArray:
+    """(n,) order of values, the least first, equal ones in the order they come in.
+
+    Parameters
+    ----------
+    values : (n,) float
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.seam_lists import ascending
+    >>> ascending(np.array([2.0, 1.0, 2.0])).tolist()
+    [1, 0, 2]
+    """
+    order = np.argsort(values)  # several times as fast as a stable one, which only ties want
+    ordered = values[order]
+    return np.argsort(values, kind="stable") if np.any(ordered[1:] == ordered[:-1]) else order
+
+
 @kernel
 def _join(  # type: ignore[no-untyped-def]
-    parent, ends, sums, n_signed, length, limit, doubt, size, threshold,
+    parent, ends, sums, n_signed, length, limit, doubt, size, threshold, order,
     head, links, degree, seam_to, heap, weight, key,
 ):  # fmt: skip
     """Sets the parent of each region that is joined to another; all that it gets is overwritten.
 
-    ``heap[0]`` holds seams, ordered by ``weight[1]``, then by ``key``, and ``heap[1]`` the place of each
-    there, −1 for one that waits until it changes; ``weight[0]`` are the means.
+    Seams come by ``weight[1]``, then by ``key``; ``weight[0]`` are the means. Those that are as they were
+    come in ``order``. ``heap[0]`` holds the others, which are few, and ``heap[1]`` the place of each there,
+    `UNCHANGED` or `WAITING`.
     """
     m, n_values = sums.shape
     after, before = links[0], links[1]
-    n_heap = np.int64(0)
     for s in range(m):
         for side in range(2):
             insert(head, after, before, ends[s, side], 2 * s + side)
             degree[ends[s, side]] += 1
-        n_heap = _rank(s, ends[s, 0], ends[s, 1], sums, length, doubt, heap, n_heap, weight, key)
-    while n_heap > 0:
-        s = heap[0, 0]
-        n_heap = _drop(s, heap, n_heap, weight[1], key)
+        heap[1, s] = UNCHANGED
+    n_heap, next_one = np.int64(0), np.int64(0)
+    while True:
+        while next_one < m and heap[1, order[next_one]] != UNCHANGED:
+            next_one += 1
+        if next_one < m and (n_heap == 0 or _is_before(order[next_one], heap[0, 0], weight[1], key)):
+            s = order[next_one]
+            heap[1, s] = WAITING
+        elif n_heap > 0:
+            s = heap[0, 0]
+            n_heap = _drop(s, heap, n_heap, weight[1], key)
+        else:
+            break
         w, i, j = weight[0, s], ends[s, 0], ends[s, 1]
         if w > limit[i] or w > limit[j]:
             continue
@@ -125,6 +161,7 @@ def _join(  # type: ignore[no-untyped-def]
                 length[old] += length[s]
                 if heap[1, s] >= 0:
                     n_heap = _drop(s, heap, n_heap, weight[1], key)
+                heap[1, s] = WAITING
                 remove(head, after, before, k, 2 * s + 1 - side)
                 degree[k] -= 1
                 s = old
@@ -138,7 +175,7 @@ def _join(  # type: ignore[no-untyped-def]
         while entry >= 0:
             s, k = entry // 2, ends[entry // 2, 1 - entry % 2]
             seam_to[k] = -1
-            if len(size) > 0 and heap[1, s] < 0 and weight[0, s] <= limit[i]:
+            if len(size) > 0 and heap[1, s] == WAITING and weight[0, s] <= limit[i]:
                 n_heap = _rank(s, i, k, sums, length, doubt, heap, n_heap, weight, key)
             entry = after[entry]
 
@@ -170,7 +207,7 @@ def _drop(s, heap, n_heap, weight, key):  # type: ignore[no-untyped-def]
     if last != s:
         heap[1, last] = heap[1, s]
         _settle(last, heap, n_heap, weight, key)
-    heap[1, s] = -1
+    heap[1, s] = WAITING
     return n_heap
 
 
