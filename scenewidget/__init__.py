@@ -14,6 +14,7 @@ What is where; ``help(sw.segment)`` and so on tell the rest:
 ``load_mesh``, ``Mesh``, ``MeshError``  a scan from PLY, OBJ, GLB, STL, OFF or arrays
 ``load_cloud``, ``PointCloud``          points from PCD, PLY, LAS, LAZ, E57, XYZ, PTS, CSV or an array
 ``load``                                a mesh or a cloud, by what the file holds
+``save_mesh``                           a scan as PLY, OBJ, GLB, STL, OFF
 ``datasets``                            simulated scans with their truth, and readers of real ones
 ``segment``, ``Params``                 the method in one call, and everything that can be set about it
 ``Segmentation``                        its result: labels, confidence, levels, names, a table
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     from scenewidget import baselines, datasets, editing, engine, exercises, figures, metrics
     from scenewidget.batch.runs import segment_all
     from scenewidget.editing.formats import export, import_labels
+    from scenewidget.editing.formats.scan import save_mesh
     from scenewidget.editing.session import Session
     from scenewidget.engine.clouds import PointCloud
     from scenewidget.engine.mesh import Mesh, MeshError
@@ -71,6 +73,7 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "Session": "editing.session",
     "export": "editing.formats",
     "import_labels": "editing.formats",
+    "save_mesh": "editing.formats.scan",
     "Cancelled": "engine.monitor",
     "evaluate": "evaluation",
     "agreement": "hands",
@@ -117,6 +120,7 @@ __all__ = [
     "load_cloud",
     "load_mesh",
     "metrics",
+    "save_mesh",
     "segment",
     "segment_all",
 ]

@@ -1,6 +1,7 @@
 """The command in a shell, called in this process: many scans, their truth, other hands, other formats."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -171,9 +172,12 @@ def test_progress_goes_to_stderr_and_the_table_to_stdout(capsys, scans, tmp_path
     assert "[1/3] bedroom/a.off  done" in said.err
     assert "[2/3] broken.off  failed: " in said.err
     assert "[" not in said.out
-    assert {line.split()[1] for line in said.out.splitlines()[1:]} == {"done", "failed"}
-    assert " 100 " in said.out  # faces, a whole number
-    assert said.out.splitlines()[0].endswith("error")
+    table, _, wrong = said.out.partition("\n\n")
+    assert {line.split()[1] for line in table.splitlines()[1:]} == {"done", "failed"}
+    assert " 100 " in table  # faces, a whole number
+    assert " GB" in table
+    assert wrong.startswith("broken.off: ")
+    assert "3 scans: 2 done, 1 failed; in " in said.err
 
 
 @pytest.mark.parametrize(
@@ -299,6 +303,10 @@ def test_agree_on_copies_in_one_folder_by_segment_and_by_name(capsys, scans, tmp
     assert [(row["name"], row["iou"]) for row in found] == [("floor", 0), ("rug", 0)]
     code, found = rows(capsys, "agree", out, "--per", "segment")
     assert {row["iou"] for row in found} == {1}
+    code, found = rows(capsys, "evaluate", out, "--truth", out, "--person", "bob")
+    assert (code, found[0]["mean_iou"]) == (0, 1)
+    assert main(["evaluate", str(out), "--truth", str(out), "--person", "cyd"]) == 1
+    assert "'cyd' has no copies of their own in" in capsys.readouterr().err
     code, found = rows(capsys, "evaluate", out, "--truth", out)  # a project made since counts
     assert found[0]["mean_iou"] == 1
 
@@ -342,10 +350,15 @@ def test_convert_replaces_nothing_of_others(capsys, scans, tmp_path):
     (tmp_path / "a.ply").write_text("mine")
     words = ["convert", str(scans / "kitchen" / "a.off"), str(tmp_path / "a.ply")]
     assert main(words) == 1
-    assert "no export wrote it" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "no export wrote it" in said
+    assert said.endswith("replace it with --overwrite\n")
     assert main([*words, "--overwrite"]) == 0
     assert main(["convert", str(scans / "kitchen" / "a.off"), str(tmp_path / "a.npz")]) == 1
     assert "a scan can be written as .ply" in capsys.readouterr().err
+    (tmp_path / "b.npz").touch()
+    assert main(["convert", str(tmp_path / "b.npz"), str(tmp_path / "b.csv")]) == 1
+    assert "'b.npz' holds labels; give the scan" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["segment", "evaluate", "agree", "convert", "tables"])
@@ -364,7 +377,14 @@ def test_unknown_words_are_code_2(capsys):
     assert ended.value.code == 2
 
 
-def test_it_is_a_command():
-    code = "import sys; from scenewidget.command_line import main; sys.exit(main(['--version']))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.startswith("scenewidget ")
+def test_it_is_a_command_and_stays_quiet_when_nobody_reads(tmp_path):
+    command = [sys.executable, "-m", "scenewidget"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr[:19]) == (2, "usage: scenewidget ")
+    source = write(corner(3), tmp_path / "a.off")
+    read, written = os.pipe()
+    os.close(read)
+    words = [*command, "convert", str(source), str(tmp_path / "a.ply")]
+    done = subprocess.run(words, stdout=written, stderr=subprocess.PIPE, check=False)
+    os.close(written)
+    assert (done.returncode, done.stderr) == (141, b"")

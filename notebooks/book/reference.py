@@ -13,7 +13,7 @@ import scenewidget as sw
 __all__ = ["PAGES", "page", "pages", "write"]
 
 PAGES = {  # page -> title and the names of `scenewidget` on it
-    "scans": ("Scans", ["load", "load_mesh", "load_cloud", "Mesh", "PointCloud", "MeshError"]),
+    "scans": ("Scans", ["load", "load_mesh", "load_cloud", "save_mesh", "Mesh", "PointCloud", "MeshError"]),
     "segmenting": ("Segmenting", ["segment", "Params", "Segmentation", "Pipeline", "Cancelled"]),
     "correcting": ("Correcting", ["Session", "export", "import_labels"]),
     "judging": ("Judging", ["evaluate", "agreement", "consensus"]),

@@ -13,12 +13,12 @@ import pandas as pd
 
 from scenewidget.batch.worklist import STATES, Entry, Worklist
 from scenewidget.editing.formats import export
+from scenewidget.editing.formats.scan import save_mesh
 from scenewidget.editing.formats.seal import write_files
 from scenewidget.editing.formats.table import as_text
-from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.segmentation import Segmentation
 
-__all__ = ["export_dataset", "scan_bytes", "split"]
+__all__ = ["export_dataset", "split"]
 
 
 def export_dataset(
@@ -94,8 +94,7 @@ def export_dataset(
         scene = scenes[entry.scan]
         folder = place / "scans" / scene
         folder.mkdir(parents=True, exist_ok=True)
-        ply = folder / f"{scene}_vh_clean_2.ply"
-        write_files({ply: [scan_bytes(mesh, "ply")]}, asked=ply, overwrite=overwrite, inputs=[mesh.source])
+        save_mesh(mesh, folder / f"{scene}_vh_clean_2.ply", overwrite=overwrite)
         export(labels, mesh, folder / f"{scene}.aggregation.json", "scannet", overwrite=overwrite)
         counted = _counted(entry, scene, labels, scene in held_out)
         rows.append(counted | {"people": len(worklist.hands(entry))})
@@ -135,32 +134,6 @@ def split(scenes: Iterable[str], validation: float, seed: int) -> tuple[list[str
     lots = {name: hashlib.blake2b(f"{seed}:{name}".encode()).digest() for name in names}
     drawn = set(sorted(names, key=lambda name: lots[name])[: round(validation * len(names))])
     return [name for name in names if name not in drawn], [name for name in names if name in drawn]
-
-
-def scan_bytes(mesh: Mesh, kind: str) -> bytes:
-    """A scan as the content of a file, its faces in the same order; a cloud as PLY only.
-
-    Parameters
-    ----------
-    mesh : Mesh or PointCloud
-    kind : "ply" | "obj" | "glb" | "stl" | "off"
-
-    Examples
-    --------
-    >>> from scenewidget.datasets import analytic
-    >>> scan_bytes(analytic.square(2), "ply")[:3]
-    b'ply'
-    """
-    import trimesh
-
-    makers: Any = trimesh
-    colors: Any = None if mesh.vertex_colors is None else np.asarray(mesh.vertex_colors)
-    if mesh.is_cloud:
-        shape: Any = makers.PointCloud(mesh.vertices, colors=colors)
-    else:
-        shape = makers.Trimesh(mesh.vertices, mesh.faces, vertex_colors=colors, process=False, validate=False)
-    content = shape.export(file_type=kind)
-    return content.encode() if isinstance(content, str) else bytes(content)
 
 
 def _counted(entry: Entry, scene: str, labels: Segmentation, is_held_out: bool) -> dict[str, Any]:

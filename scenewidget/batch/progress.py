@@ -35,6 +35,11 @@ class Underway(Protocol):
         """Expected; nan while nobody knows."""
         ...
 
+    @property
+    def summary(self) -> str:
+        """What has become of them."""
+        ...
+
     def cancel(self) -> None:
         """Begin nothing more."""
         ...
@@ -168,7 +173,7 @@ class NotebookBar:
             self._bar.bar_style = "success" if len(run.rows) == len(run.scans) else "warning"
             if run.error is not None:
                 self._list.value += f"<p>{html.escape(f'It ended early: {run.error}')}</p>"
-            self._text.value = repr(run).removeprefix("Run(").removesuffix(")")
+            self._text.value = run.summary
 
     def _cancel(self, run: Underway) -> None:
         self.button.disabled, self.button.description = True, "Cancelling"

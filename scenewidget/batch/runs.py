@@ -69,12 +69,17 @@ class Run:
         self._left = sum(map(_weight, jobs))
 
     def __repr__(self) -> str:
+        return f"Run({self.summary})"
+
+    @property
+    def summary(self) -> str:
+        """How many scans there are, and what has become of them."""
         statuses = [row["status"] for row in self.rows.values()]
         parts = [f"{statuses.count(status)} {status}" for status in STATUSES if status in statuses]
         if len(self.rows) < len(self.scans):
             parts.append(f"{len(self.scans) - len(self.rows)} left")
         noun = "scan" if len(self.scans) == 1 else "scans"
-        return f"Run({len(self.scans)} {noun}: {', '.join(parts)})"
+        return f"{len(self.scans)} {noun}: {', '.join(parts)}"
 
     @property
     def is_running(self) -> bool:

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 
@@ -24,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     -------
     code : int
         0 if all went well, 1 if the command could not do its work, 2 for words that it does not know, 130
-        if it was stopped by Ctrl-C.
+        if it was stopped by Ctrl-C, 141 if who reads what it prints has gone.
 
     Examples
     --------
@@ -34,6 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     from scenewidget import __version__
     from scenewidget.command_line import agree, convert, evaluate, segment, tables
+    from scenewidget.command_line.shared import as_flags
 
     parser = argparse.ArgumentParser(
         prog="scenewidget",
@@ -44,11 +46,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (segment, evaluate, agree, convert, tables):
         command.add_parser(commands)
-    options = parser.parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else arguments
+    if not words:
+        parser.print_help(sys.stderr)
+        return 2
+    options = parser.parse_args(words)
     try:
-        return int(options.run(options))
+        code = int(options.run(options))
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:  # as with "| head"; Python would complain once more at the end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
     except (OSError, TypeError, ValueError) as error:  # bad input: what the package says, no traceback
-        print(f"scenewidget {options.command}: {error}", file=sys.stderr)
+        said = isinstance(error, OSError) and error.filename is None and error.strerror
+        print(f"scenewidget {options.command}: {as_flags(said or str(error))}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print(f"scenewidget {options.command}: stopped", file=sys.stderr)

@@ -70,6 +70,9 @@ def run(options: argparse.Namespace) -> int:
             mesh = mesh_of(scan, options.scans, files.values())
             labels = {name: read_labels(file.path, mesh) for name, file in files.items()}
             table = sw.agreement(labels, mesh, by=options.by, metrics=options.metrics, per=options.per)
+            if options.by == "faces":
+                sizes = [column for column in table if column.startswith("size")]
+                table = table.astype(dict.fromkeys(sizes, int))
             rows += ({"scan": shown, "error": "", **row} for row in table.reset_index().to_dict("records"))
             n_compared += 1
             tell(options, f"{shown}  compared")

@@ -22,13 +22,11 @@ from pathlib import Path
 from typing import Any
 
 import scenewidget as sw
-from scenewidget.batch.dataset import scan_bytes
 from scenewidget.batch.folders import read_labels
-from scenewidget.editing.formats.seal import write_files
 
 __all__ = ["add_parser", "run"]
 
-GEOMETRY = ("ply", "obj", "glb", "stl", "off")
+ONLY_LABELS = (".npz", ".npy", ".aggregation.json", ".segs.json", ".xml", ".label")
 
 
 def add_parser(commands: Any) -> None:
@@ -60,8 +58,14 @@ def run(options: argparse.Namespace) -> int:
             raise FileNotFoundError(f"label file {str(options.source)!r} does not exist")
         labels = read_labels(options.source, mesh)
         written = sw.export(labels, labels.mesh, options.target, options.format, overwrite=options.overwrite)
+    elif options.source.name.lower().endswith(ONLY_LABELS):
+        raise ValueError(f"{options.source.name!r} holds labels; give the scan that they are of by --mesh")
     else:
-        written = _write_scan(sw.load(options.source, units=options.units), options)
+        if options.format is not None:
+            raise ValueError(
+                "--format is for labels; the format of a scan is what the suffix of the target says"
+            )
+        written = _written(sw.load(options.source, units=options.units), options)
     if options.json:
         print(json.dumps([str(path) for path in written]))
     elif not options.quiet:
@@ -69,19 +73,8 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _write_scan(mesh: sw.Mesh, options: argparse.Namespace) -> list[Path]:
-    kind = options.target.suffix.lower()[1:]
-    if options.format is not None:
-        raise ValueError("--format is for labels; the format of a scan is what the suffix of the target says")
-    if kind not in GEOMETRY:
-        listed = ", ".join(f".{name}" for name in GEOMETRY)
-        raise ValueError(
-            f"a scan can be written as {listed}, not as {options.target.name!r}; "
-            "for labels, give their scan by --mesh"
-        )
-    if isinstance(mesh, sw.PointCloud) and kind != "ply":
-        raise ValueError(f"{options.source.name!r} is a point cloud, which is written as .ply only")
-    data = scan_bytes(mesh, kind)
-    return write_files(
-        {options.target: [data]}, asked=options.target, overwrite=options.overwrite, inputs=[mesh.source]
-    )
+def _written(scan: sw.Mesh, options: argparse.Namespace) -> list[Path]:
+    try:
+        return sw.save_mesh(scan, options.target, overwrite=options.overwrite)
+    except ValueError as error:
+        raise ValueError(f"{error}; for labels, give their scan by --mesh") from error

@@ -6,6 +6,7 @@ out/kitchen/a.ply/a.npz, or out/kitchen/a.npz, goes with truth/kitchen/a.npz, tr
 Or both are one file each.
 
   scenewidget evaluate out/ --truth truth/
+  scenewidget evaluate out/ --truth truth/ --person ann
   scenewidget evaluate mine.npz --truth truth.npz --scans scan.ply
 
 Errors, lower is better: rand_index_error (1 − RI), global_consistency_error, local_consistency_error,
@@ -20,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import scenewidget as sw
-from scenewidget.batch.folders import labeled, mesh_of, read_labels
+from scenewidget.batch.folders import Labeled, labeled, mesh_of, own_copies, read_labels
 from scenewidget.command_line.shared import add_output, show, tell
 from scenewidget.evaluation import METRICS
 
@@ -42,13 +43,17 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--metrics", nargs="+", choices=tuple(METRICS), metavar="NAME", help="only these columns"
     )
+    parser.add_argument(
+        "--person", help="judge the copies that this person has corrected: Workbench(…, own=True)"
+    )
     add_output(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Print the table; 1 if a scan could not be compared."""
-    ours, truth = labeled(options.out), labeled(options.truth)
+    ours = labeled(options.out) if options.person is None else _copies(options.out, options.person)
+    truth = labeled(options.truth)
     if not set(ours) & set(truth):
         raise ValueError(
             f"no scan has labels in both: {options.out} has {_some(ours)}, {options.truth} has {_some(truth)}"
@@ -70,6 +75,16 @@ def run(options: argparse.Namespace) -> int:
         rows.append(row)
     show(rows, options, mean=True)
     return 1 if any(row["error"] for row in rows) else 0
+
+
+def _copies(out: Path, person: str) -> dict[str, Labeled]:
+    if not out.is_dir():
+        raise ValueError(f"{str(out)!r} is no folder; --person wants one that `scenewidget segment` wrote")
+    people = own_copies(out)
+    if person not in people:
+        listed = ", ".join(people) or "nobody"
+        raise ValueError(f"{person!r} has no copies of their own in {str(out)!r}; {listed} has")
+    return people[person]
 
 
 def _some(names: Any) -> str:

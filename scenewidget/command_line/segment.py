@@ -30,12 +30,15 @@ from pathlib import Path
 from typing import Any
 
 import scenewidget as sw
+from scenewidget.batch.places import is_url
 from scenewidget.batch.plan import FORMATS
 from scenewidget.batch.progress import spoken_row, spoken_time
 from scenewidget.batch.runs import UNITS, Run, planned
 from scenewidget.command_line.shared import add_output, show, tell
 
 __all__ = ["add_parser", "run"]
+
+NEXT = ", which sw.Workbench shows in a notebook to be corrected"
 
 
 def add_parser(commands: Any) -> None:
@@ -119,6 +122,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"scenewidget segment: {error}", file=sys.stderr)
         return 1
     show(_rows(found), options)
+    tell(options, f"\n{found.summary}; in {options.out}{'' if is_url(options.out) else NEXT}")
     return 0 if all(row["status"] in ("done", "reused") for row in found.rows.values()) else 1
 
 

@@ -5,11 +5,21 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-__all__ = ["add_output", "show", "tell"]
+from scenewidget.batch.rows import spoken_size
+
+__all__ = ["add_output", "as_flags", "show", "tell"]
+
+FLAGS = re.compile(r"""\b(overwrite|tile_faces|units|scans|truth)=(?:True\b|["']([^"']*)["'])?""")
+
+SPOKEN: Mapping[str, Callable[[float], str]] = {  # columns that people read in other units than programs
+    "seconds": "{:.1f}".format,
+    "peak_memory": spoken_size,
+}
 
 
 def add_output(parser: argparse.ArgumentParser) -> None:
@@ -18,32 +28,48 @@ def add_output(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quiet", action="store_true", help="no progress, only the table and errors")
 
 
+def as_flags(text: str) -> str:
+    """A message of the package with its arguments as they are called here.
+
+    Examples
+    --------
+    >>> as_flags('replace it with overwrite=True, or load it with units="mm"')
+    'replace it with --overwrite, or load it with --units mm'
+    """
+    return FLAGS.sub(lambda m: f"--{m[1].replace('_', '-')}" + (f" {m[2]}" if m[2] else ""), text)
+
+
 def tell(options: argparse.Namespace, line: str) -> None:
     """Progress, on stderr unless ``--quiet``."""
     if not options.quiet:
-        print(line, file=sys.stderr, flush=True)
+        print(as_flags(line), file=sys.stderr, flush=True)
 
 
 def show(rows: Sequence[Mapping[str, Any]], options: argparse.Namespace, *, mean: bool = False) -> None:
-    """Print rows as a table, or as JSON with null for what isn't known."""
+    """Print rows as a table and then what went wrong, or all as JSON with null for what isn't known."""
     if options.json:
         plain = [{key: _plain(value) for key, value in row.items()} for row in rows]
         print(json.dumps(plain, indent=1, ensure_ascii=False, allow_nan=False))
         return
     import pandas as pd
 
-    table = pd.DataFrame(list(rows))
+    table = pd.DataFrame([{k: v for k, v in row.items() if k != "error"} for row in rows])
     for column in table.select_dtypes("number"):
         if all(isinstance(row.get(column), int | None) for row in rows):
             table[column] = table[column].astype("Int64")  # stays whole beside rows that have none
-    errors = table.pop("error") if "error" in table else pd.Series(dtype=str)
-    if errors.astype(bool).any():
-        table["error"] = errors  # the widest column last
-    if mean and len(table) > 1:
+    if mean and len(table.select_dtypes("float").dropna(how="all")) > 1:
         means = table.select_dtypes("float").mean().to_dict()
         table = pd.concat([table, pd.DataFrame([{**means, "scan": "mean"}])], ignore_index=True)
     shown = table.astype(object).where(table.notna(), "")
-    print(shown.to_string(index=False, float_format="{:.4f}".format))
+    for column, spoken in SPOKEN.items():
+        if column in shown:
+            shown[column] = [spoken(value) if value != "" else "" for value in shown[column]]
+    width = max(map(len, shown["scan"]))
+    left: Any = {"scan": f"{{:<{width}}}".format}
+    print(shown.to_string(index=False, float_format="{:.4f}".format, formatters=left))
+    wrong = [f"{row['scan']}: {as_flags(row['error'])}" for row in rows if row.get("error")]
+    if wrong:
+        print("\n" + "\n".join(wrong))
 
 
 def _plain(value: Any) -> Any:

@@ -8,9 +8,16 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from scenewidget.engine.mesh import Mesh
+import numpy as np
 
-__all__ = ["Fingerprint", "fingerprint", "living_mesh"]
+from scenewidget.engine.mesh import FloatArray, Mesh
+
+__all__ = ["Fingerprint", "fingerprint", "is_sketch_of", "living_mesh", "sketch"]
+
+SUMS = 8  # in a sketch
+CHUNK = 1 << 20  # faces at a time
+ROUNDED = 1e-5  # of the size of a scan: what a file with five or six digits takes from a coordinate
+SINGLE = 2.0**-24  # of a coordinate: what a file with single precision takes from it
 
 _known: weakref.WeakKeyDictionary[Mesh, Fingerprint] = weakref.WeakKeyDictionary()
 
@@ -107,3 +114,56 @@ def living_mesh(wanted: Fingerprint) -> Mesh | None:
     True
     """
     return next((mesh for mesh, found in list(_known.items()) if found == wanted), None)
+
+
+def sketch(mesh: Mesh) -> FloatArray:
+    """A mesh in a few numbers that hardly change when another program saves it with fewer digits.
+
+    Sums of the centroids of all faces, each with a sign that its number decides by chance: whoever rounds the
+    corners, or splits or welds them, changes little; whoever orders the faces in another way changes all.
+
+    Returns
+    -------
+    sums : (8, 3) float64, metres
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import analytic
+    >>> sketch(analytic.square(2)).shape
+    (8, 3)
+    """
+    sums = np.zeros((SUMS, 3))
+    for start in range(0, mesh.n_faces, CHUNK):
+        stop = min(start + CHUNK, mesh.n_faces)
+        lots = np.arange(start, stop, dtype=np.uint64) + np.uint64(1)
+        for factor in (0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9):  # of Steele, Lea and Flood (2014), SplitMix
+            lots = lots * np.uint64(factor)
+            lots ^= lots >> np.uint64(31)
+        signs = np.where(lots[None, :] >> np.arange(SUMS, dtype=np.uint64)[:, None] & np.uint64(1), 1.0, -1.0)
+        sums += signs @ mesh.face_centroids[start:stop]
+    return sums
+
+
+def is_sketch_of(sums: FloatArray, mesh: Mesh) -> bool:
+    """Whether a sketch is of a mesh, or of one that differs from it by rounding only.
+
+    Parameters
+    ----------
+    sums : (8, 3) float
+        Of `sketch`.
+    mesh : Mesh
+
+    Examples
+    --------
+    >>> import scenewidget as sw
+    >>> from scenewidget.datasets import analytic
+    >>> mesh = analytic.square(2)
+    >>> rounded = sw.Mesh(mesh.vertices.astype("float32") + 1e-7, mesh.faces)
+    >>> turned = sw.Mesh(mesh.vertices, mesh.faces[::-1])
+    >>> is_sketch_of(sketch(mesh), rounded), is_sketch_of(sketch(mesh), turned)
+    (True, False)
+    """
+    size = float(np.ptp(mesh.vertices, axis=0).max(initial=0.0))
+    rounding = ROUNDED * size + SINGLE * float(np.abs(mesh.vertices).max(initial=0.0))
+    most = 6 * np.sqrt(mesh.n_faces) * rounding  # six standard deviations of a sum of roundings
+    return sums.shape == (SUMS, 3) and bool((np.abs(sums - sketch(mesh)) <= most).all())

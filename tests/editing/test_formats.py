@@ -180,6 +180,29 @@ def test_a_glb_of_another_program_is_matched_by_place(tmp_path, upright):
     assert back.report["triangles that the mesh does not have"] == 0
 
 
+@pytest.mark.parametrize("kind", ["ply", "obj", "glb", "stl", "off"])
+def test_an_npz_fits_its_scan_in_a_file_of_fewer_digits(tmp_path, kind):
+    mesh = shapes.joined(shapes.sheet(9, 7, width=1 / 3), shapes.sheet(5, 5, depth=0.7))
+    labels = np.arange(mesh.n_faces) % 3 // 2  # twice as many of one kind
+    sw.export(sw.Segmentation.from_labels(mesh, labels), mesh, tmp_path / "a.npz")
+    sw.save_mesh(mesh, tmp_path / f"a.{kind}")
+    again = sw.load_mesh(tmp_path / f"a.{kind}")
+    assert (sw.import_labels(again, tmp_path / "a.npz").labels == labels).all()
+    for other in (np.roll(mesh.faces, 1, axis=0), mesh.faces[::-1]):
+        with pytest.raises(FormatError, match=r"belongs to another mesh than this one .* in another order"):
+            sw.import_labels(sw.Mesh(mesh.vertices, other), tmp_path / "a.npz")
+
+
+def test_a_scan_is_saved_by_its_suffix(tmp_path):
+    mesh = shapes.sheet(2, 2)
+    with pytest.raises(ValueError, match=r"a scan can be written as .ply, .obj, .* not as 'a.fbx'"):
+        sw.save_mesh(mesh, tmp_path / "a.fbx")
+    with pytest.raises(
+        ValueError, match=r"mesh is a point cloud, which is written as .ply only, not as 'a.obj'"
+    ):
+        sw.save_mesh(sw.PointCloud(mesh.vertices), tmp_path / "a.obj")
+
+
 def test_numpy_reads_the_npz(tmp_path):
     mesh, seg = room()
     sw.export(seg, mesh, tmp_path / "a.npz")

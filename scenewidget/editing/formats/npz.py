@@ -1,4 +1,4 @@
-"""NPZ: labels, names, confidence and levels as NumPy arrays, and the fingerprint of the mesh."""
+"""NPZ: labels, names, confidence and levels as NumPy arrays, and what tells the mesh from others."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scenewidget.editing.edits import MAX_NAME
-from scenewidget.editing.fingerprint import fingerprint
+from scenewidget.editing.fingerprint import fingerprint, is_sketch_of, sketch
 from scenewidget.editing.formats.common import FormatError, Labels, clean_name
 from scenewidget.editing.formats.seal import SEAL, Contents
 from scenewidget.engine.mesh import IntArray, Mesh
@@ -35,6 +35,7 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
         "names": np.array(segmentation.names, dtype=np.str_) if segmentation.names else np.empty(0, "<U1"),
         "confidence": segmentation.confidence,
         "mesh": np.array(fingerprint(mesh).digest),
+        "sketch": sketch(mesh),
     }
     arrays |= {f"level_{name}": parts for name, parts in segmentation.levels.items()}
     file = io.BytesIO()
@@ -60,12 +61,12 @@ def read(path: Path, mesh: Mesh) -> Labels:
                     f"{path.name!r} has labels of shape {labels.shape}, but the mesh has {mesh.n_faces} "
                     f"faces and {mesh.n_vertices} vertices"
                 )
-            if (
-                "mesh" in members
-                and str(_member(archive, members["mesh"], "U", 1)) != fingerprint(mesh).digest
-            ):
-                raise FormatError(f"{path.name!r} belongs to another mesh than one of {fingerprint(mesh)}")
             per_face = labels.shape == (mesh.n_faces,)
+            if not _is_of(archive, members, mesh, per_face=per_face):
+                raise FormatError(
+                    f"{path.name!r} belongs to another mesh than this one of {fingerprint(mesh)}: its "
+                    "triangles lie elsewhere or in another order; give the scan that the labels were made on"
+                )
             names = _member(archive, members["names"], "U", most).tolist() if "names" in members else []
             confidence = None
             if per_face and "confidence" in members:
@@ -85,6 +86,17 @@ def read(path: Path, mesh: Mesh) -> Labels:
         {i: clean_name(name) for i, name in enumerate(names)},
         confidence,
         levels,
+    )
+
+
+def _is_of(archive: zipfile.ZipFile, members: dict[str, str], mesh: Mesh, *, per_face: bool) -> bool:
+    """Whether labels are of a mesh, as far as they say: of the same numbers, or of the same faces rounded."""
+    if "mesh" not in members or str(_member(archive, members["mesh"], "U", 1)) == fingerprint(mesh).digest:
+        return True
+    return (
+        per_face
+        and "sketch" in members
+        and is_sketch_of(_member(archive, members["sketch"], "f", mesh.n_faces), mesh)
     )
 
 
