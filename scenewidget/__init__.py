@@ -27,7 +27,7 @@ What is where; ``help(sw.segment)`` and so on tell the rest:
 ``segment_all``                         many scans at once, on all cores or a Dask cluster
 ``baselines``                           methods of others, to compare with
 ``SceneWidget``, ``SceneView``          the widget, and its picture alone
-``Compare``                             two segmentations of a scan beside each other
+``Compare``                             segmentations of a scan beside each other
 ``Workbench``                           a queue of segmented scans to correct, for several people
 ``figures``, ``SpectralExplorer``       pictures that teach
 ``exercises``                           answers to the questions of the course, checked

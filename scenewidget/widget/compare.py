@@ -1,7 +1,8 @@
-"""Two segmentations of one scan side by side: same camera, same pointer, where they differ, and by how much.
+"""Segmentations of one scan side by side: same camera, same pointer, where they differ, and by how much.
 
-Go in: two `Params` or `Segmentation`s. Come out: two views that turn together, colours for the faces on which
-the two disagree, and a small table. What has to be computed is computed in one worker thread with one memo.
+Go in: two or more `Params` or `Segmentation`s. Come out: views that turn together, colours for the faces on
+which they disagree, and a small table. What has to be computed is computed in one worker thread with one
+memo, and the scan crosses to the page once.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
-from scenewidget.engine.mesh import IntArray, Mesh
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.monitor import Cancelled
 from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
@@ -40,43 +41,47 @@ if TYPE_CHECKING:
 __all__ = ["Compare"]
 
 Side = Params | Segmentation
-SHARED = (
-    "color_by",
-    "color_mix",
-    "outlines",
-    "back_faces",
-    "section",
-)  # state that both views have in common
+SHARED = ("color_by", "color_mix", "outlines", "back_faces", "section", "up")  # state of all views
+LETTERS = "ABCDEFGH"
+MOST = len(LETTERS)  # a browser keeps about sixteen pictures
 TABLE_STYLE = "border-collapse:collapse;font-variant-numeric:tabular-nums"
 LISTED = 10  # segments on which the two agree least
 CELL_STYLE = "padding:1px 14px 1px 0;text-align:right"
 
 
 class Compare(FaultTolerant, widgets.VBox):
-    """Two views of one scan that turn together; set ``a`` or ``b`` to compare something else.
+    """Views of one scan that turn together; set ``a``, ``b`` or ``others`` to compare something else.
 
-    Segments that overlap most have the same colour on both sides. "Errors" among the colours marks the faces
-    on which the two disagree: those whose segment is not the partner of the other side's, in the matching
-    with the largest sum of intersection over union.
+    Segments that overlap most have the same colour on all sides. "Errors" among the colours marks the faces
+    on which a side disagrees with the first: those whose segment is not the partner of the first's, in the
+    matching with the largest sum of intersection over union. The first side marks all of them.
 
     Parameters
     ----------
     mesh : Mesh, path, trimesh.Trimesh or (vertices, faces)
     a, b : Params or Segmentation
         `Params()` by default. A segmentation must be of this mesh.
+    *others : Params or Segmentation
+        More of them, each in a view of its own.
     truth : Segmentation or (n_faces,) int, optional
-        What both are judged by.
+        What all are judged by.
+    disagreement : callable, optional
+        Any measure of your own: takes the labels of the first side and of another, (n_faces,) ints with -1 =
+        unlabeled, and gives (n_faces,) numbers, NaN = unknown. It colours each side by what it gives of it,
+        and the first by the mean over the others; its ``__name__`` is the title.
     height : int
         Of the pictures, in pixels.
 
     Attributes
     ----------
     a, b : Params or Segmentation
+    others : tuple of Params or Segmentation
+        Of the sides after these; as many as at first.
     segmentations : tuple of Segmentation
-        Of both; empty until they are there.
+        Of all sides; empty until they are there.
     scores : dict of str to dict of str to float
-        `metrics.quick_scores` of "A and truth", "B and truth", "B and A".
-    views : (SceneView, SceneView)
+        `metrics.quick_scores` of "A and truth", "B and truth", "B and A", with a third side "C and A" ….
+    views : tuple of SceneView
     busy : bool
 
     Raises
@@ -105,8 +110,11 @@ class Compare(FaultTolerant, widgets.VBox):
     b = traitlets.Union([traitlets.Instance(Params), traitlets.Instance(Segmentation)])
     """What the right side shows."""
 
+    others: Any = traitlets.Tuple()
+    """What further views show."""
+
     segmentations: Any = traitlets.Tuple(read_only=True)
-    """Of both sides; empty until they are there."""
+    """Of all sides; empty until they are there."""
 
     scores: Any = traitlets.Dict(read_only=True)
     """Measures by name, by "A and truth", "B and truth", "B and A"."""
@@ -119,24 +127,35 @@ class Compare(FaultTolerant, widgets.VBox):
         mesh: Mesh | Any,
         a: Side | None = None,
         b: Side | None = None,
-        *,
+        *others: Side,
         truth: Segmentation | IntArray | None = None,
+        disagreement: Callable[[IntArray, IntArray], npt.ArrayLike] | None = None,
         height: int = 420,
     ) -> None:
         self.pipeline = Pipeline(mesh)
         a, b = (_checked(name, side, self.mesh) for name, side in (("a", a), ("b", b)))
+        sides = [a, b, *(_checked("others", side, self.mesh) for side in others)]
+        if len(sides) > MOST:
+            raise ValueError(f"others: at most {MOST} views at once, as browsers draw, got {len(sides)}")
+        if disagreement is not None and not callable(disagreement):
+            raise TypeError(
+                f"disagreement must take the labels of two sides, got {type(disagreement).__name__}"
+            )
+        self._disagreement = disagreement
         self._scorer = None if truth is None else Scorer(self.mesh, truth)
         self._lock = threading.RLock()
         self._error: BaseException | None = None
         self._at = 0  # which side is being computed
         group = secrets.token_hex(8)
-        self.views = tuple(SceneView(self.mesh, height=height, camera_group=group) for _ in "ab")
+        first = SceneView(self.mesh, height=height, camera_group=group)
+        self.views = (first, *(first.twin(height=height, camera_group=group) for _ in sides[1:]))
         for view in self.views:
-            view.offer_errors("Against the other")
+            view.offer_errors("Against the other" if len(sides) == 2 else "Against A")
             view.on_msg(self._handle_message)
-        for name in SHARED:
-            traitlets.link((self.views[0], name), (self.views[1], name))
-        self._titles = tuple(widgets.HTML() for _ in "ab")
+        for view in self.views[1:]:
+            for name in SHARED:
+                traitlets.link((first, name), (view, name))
+        self._titles = tuple(widgets.HTML() for _ in sides)
         self._table = widgets.HTML()
         self._worker = Worker(
             on_progress=self._show_progress,
@@ -145,15 +164,16 @@ class Compare(FaultTolerant, widgets.VBox):
             on_cancelled=lambda: self._show_end("Cancelled"),
         )
         half = {"flex": "1 1 320px", "min_width": "240px"}
-        columns = [widgets.VBox(pair, layout=half) for pair in zip(self._titles, self.views)]
+        columns = [widgets.VBox(pair, layout=half) for pair in zip(self._titles, self.views, strict=True)]
         row = widgets.Box(columns, layout={"flex_flow": "row wrap", "width": "100%"})
-        super().__init__([row, self._table], a=a, b=b)
-        self.observe(lambda _: self._compute(), ["a", "b"])
+        super().__init__([row, self._table], a=a, b=b, others=tuple(sides[2:]))
+        self.observe(lambda _: self._compute(), ["a", "b", "others"])
         belongs_to_its_cell(self)
         self._compute()
 
     def __repr__(self) -> str:
-        numbers = " and ".join(str(segmentation.n_segments) for segmentation in self.segmentations)
+        *most, last = [str(segmentation.n_segments) for segmentation in self.segmentations] or [""]
+        numbers = f"{', '.join(most)} and {last}" if most else ""
         return f"Compare({self.mesh.n_faces} {self.mesh.noun}s{f', {numbers} segments' if numbers else ''})"
 
     @property
@@ -161,8 +181,8 @@ class Compare(FaultTolerant, widgets.VBox):
         """The scan, as loaded."""
         return self.pipeline.mesh
 
-    def wait(self, timeout: float | None = 60.0) -> tuple[Segmentation, Segmentation]:
-        """Block until both are there, for scripts and tests.
+    def wait(self, timeout: float | None = 60.0) -> tuple[Segmentation, ...]:
+        """Block until all are there, for scripts and tests.
 
         Raises
         ------
@@ -179,10 +199,10 @@ class Compare(FaultTolerant, widgets.VBox):
         with self._lock:
             if self._error is not None:
                 raise self._error
-            if len(self.segmentations) != 2:
+            found: tuple[Segmentation, ...] = self.segmentations
+            if not found:
                 raise RuntimeError("cancelled before there was a result; set a or b to compute again")
-            first, second = self.segmentations
-            return first, second
+            return found
 
     def cancel(self) -> None:
         """Stop the computation."""
@@ -197,7 +217,7 @@ class Compare(FaultTolerant, widgets.VBox):
         close_all(self)
 
     def set_values(self, values: npt.ArrayLike, **options: Any) -> None:
-        """Colour both sides by a number a face: any disagreement that you measure yourself.
+        """Colour all sides by one number a face; ``disagreement=`` of the class does so after every result.
 
         Parameters
         ----------
@@ -211,27 +231,38 @@ class Compare(FaultTolerant, widgets.VBox):
                 view.set_values(values, **options)
 
     def to_frame(self, per: Literal["side", "segment", "name"] = "side") -> pd.DataFrame:
-        """How good the two are, or how far they agree.
+        """How good they are, or how far they agree.
 
         Parameters
         ----------
         per : "side" | "segment" | "name"
-            What has a row. "side": `evaluate` of both against the truth, or of B against A without one;
-            "segment" and "name": `agreement` of A and B, by area, the least agreed on first.
+            What has a row. "side": `evaluate` of all against the truth, or of the others against A without
+            one; "segment" and "name": `agreement` of all pairs, by area, the least agreed on first.
         """
-        first, second = self.wait(None)
+        found = dict(zip(LETTERS, self.wait(None)))
         if per != "side":
-            return agreement({"A": first, "B": second}, self.mesh, by="area", per=per)
+            return agreement(found, self.mesh, by="area", per=per)
         if self._scorer is None:
-            return evaluate({"B": second}, first, self.mesh)
-        return evaluate({"A": first, "B": second}, self._scorer.truth, self.mesh)
+            first = found.pop("A")
+            return evaluate(found, first, self.mesh)
+        return evaluate(found, self._scorer.truth, self.mesh)
 
     @traitlets.validate("a", "b")
     def _check_side(self, proposal: Any) -> Side:
         return _checked(proposal["trait"].name, proposal["value"], self.mesh)
 
+    @traitlets.validate("others")
+    def _check_others(self, proposal: Any) -> tuple[Side, ...]:
+        given = proposal["value"]
+        if len(given) != len(self.views) - 2:
+            raise ValueError(
+                f"others must stay {len(self.views) - 2}, one a view, got {len(given)}; "
+                "another Compare shows more"
+            )
+        return tuple(_checked("others", side, self.mesh) for side in given)
+
     def _compute(self) -> None:
-        sides = (self.a, self.b)
+        sides = (self.a, self.b, *self.others)
 
         def task(progress: Callable[[str, float], None], cancel: threading.Event) -> str:
             found: list[Segmentation] = []
@@ -240,7 +271,7 @@ class Compare(FaultTolerant, widgets.VBox):
                     side = self.pipeline.run(side, progress=progress, cancel=cancel)
                 found.append(side)
                 self._show_side(self._at, found, cancel)
-            self._show_comparison(found[0], found[1], cancel)
+            self._show_comparison(found, cancel)
             return ""
 
         with self._lock:
@@ -249,7 +280,7 @@ class Compare(FaultTolerant, widgets.VBox):
             self.set_trait("segmentations", ())
             self.set_trait("scores", {})
             self._table.value = ""
-            for name, side, title, view in zip("AB", sides, self._titles, self.views):
+            for name, side, title, view in zip(LETTERS, sides, self._titles, self.views):
                 title.value = f"<b>{name}</b> &nbsp;<code>{html.escape(_words(side))}</code>"
                 view.error, view.status, view.progress, view.busy = "", "Waiting", 0.0, True
             self._worker.submit(task)
@@ -267,21 +298,51 @@ class Compare(FaultTolerant, widgets.VBox):
             keep_colors(found[-1], view.color_rows)
             view.status, view.progress, view.busy = "", 1.0, False
 
-    def _show_comparison(self, a: Segmentation, b: Segmentation, cancel: threading.Event) -> None:
-        scores = {}
+    def _show_comparison(self, found: list[Segmentation], cancel: threading.Event) -> None:
+        first, *rest = found
+        scores, letters = {}, LETTERS[1 : len(found)]
         if self._scorer is not None:
-            for name, segmentation in (("A and truth", a), ("B and truth", b)):
-                scores[name] = quick_scores(segmentation.labels, self._scorer.truth)
-        scores["B and A"] = quick_scores(b.labels, a.labels)
-        verdicts = disagreement(a.labels, b.labels)
-        least = _least_agreed(a, b)
+            for name, segmentation in zip(LETTERS, found):
+                scores[f"{name} and truth"] = quick_scores(segmentation.labels, self._scorer.truth)
+        for name, segmentation in zip(letters, rest):
+            scores[f"{name} and A"] = quick_scores(segmentation.labels, first.labels)
+        verdicts = [disagreement(first.labels, other.labels) for other in rest]
+        least = _least_agreed(first, rest[0]) if len(rest) == 1 else ""
+        values = self._measured(first, rest)
         with self._lock:
             _stop_if(cancel)
-            for view in self.views:
-                view.set_errors(verdicts)
-            self._table.value = _table(scores, float(np.mean(verdicts == 2))) + least
+            for view, verdict in zip(self.views, [np.max(verdicts, axis=0), *verdicts], strict=True):
+                view.set_errors(verdict)
+            if values is not None:
+                self._show_values(values)
+            shares = {name: float(np.mean(verdict == 2)) for name, verdict in zip(letters, verdicts)}
+            self._table.value = _table(scores, shares) + least
             self.set_trait("scores", scores)
-            self.set_trait("segmentations", (a, b))
+            self.set_trait("segmentations", tuple(found))
+
+    def _measured(self, first: Segmentation, rest: list[Segmentation]) -> FloatArray | None:
+        """(n_views, n_faces) what the measure of the user's own says of each side; None without one."""
+        measure = self._disagreement
+        if measure is None:
+            return None
+        rows = np.array([np.asarray(measure(first.labels, other.labels), np.float64) for other in rest])
+        if rows.shape != (len(rest), self.mesh.n_faces):
+            raise ValueError(
+                f"disagreement must give {self.mesh.n_faces} numbers, one a face, got shape {rows.shape[1:]}"
+            )
+        known = np.isfinite(rows)
+        mean = np.where(known, rows, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+        return np.vstack([np.where(known.any(axis=0), mean, np.nan), rows])
+
+    def _show_values(self, values: FloatArray) -> None:
+        """Colour each side by its row over one range; later results leave the choice of colours as it is."""
+        finite = values[np.isfinite(values)]
+        low, high = float(finite.min(initial=0.0)), float(finite.max(initial=0.0))
+        title = getattr(self._disagreement, "__name__", "disagreement").replace("_", " ").strip("<>")
+        chosen = self.views[0].color_by if self.views[0].values_legend else "values"
+        for view, row in zip(self.views, values, strict=True):
+            view.set_values(row, title=title.capitalize(), low=low, high=high)
+        self.views[0].color_by = chosen
 
     def _handle_message(self, _: Any, message: Any, __: Any) -> None:
         if isinstance(message, dict) and message.get("kind") == "cancel":
@@ -374,7 +435,7 @@ def _folded(title: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) 
     return f"<details><summary>{title}</summary>{table}</details>"
 
 
-def _table(scores: dict[str, dict[str, float]], share: float) -> str:
+def _table(scores: dict[str, dict[str, float]], shares: dict[str, float]) -> str:
     """HTML, a row a comparison; all of its text is ours."""
     rows = {name: score_rows(values, {}) for name, values in scores.items()}
     head = "".join(
@@ -387,5 +448,7 @@ def _table(scores: dict[str, dict[str, float]], share: float) -> str:
         + "</tr>"
         for name, cells in rows.items()
     )
-    note = f"They disagree on {share:.1%} of the faces: colour by “Errors” shows where."
+    words = [f"{share:.1%}" + (f" ({name})" if len(shares) > 1 else "") for name, share in shares.items()]
+    who = "They disagree" if len(shares) == 1 else "The others disagree with A"
+    note = f"{who} on {', '.join(words)} of the faces: colour by “Errors” shows where."
     return f'<table style="{TABLE_STYLE}"><tr><th></th>{head}</tr>{body}</table><div>{note}</div>'

@@ -233,6 +233,8 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
     """Whether the preview lies over the segments."""
     _token = traitlets.Unicode().tag(sync=True)
     """Tells models apart, for views of one on a page."""
+    _mesh_of = traitlets.Unicode().tag(sync=True)
+    """Token of the view on the page whose mesh this one draws; "" = it has its own."""
     _answers = traitlets.Dict().tag(sync=True)
     """Number of the last message dealt with, by client."""
 
@@ -302,6 +304,7 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
         self._preview_items: Items | None = None
         options["up"] = checked_up(options.get("up", "auto"))  # which is heard, and `_up` follows
         arrays = geometry(mesh)
+        sent = {} if options.get("_mesh_of") else arrays
         if mesh.vertex_colors is not None:
             options.setdefault("color_by", "scan")
         super().__init__(
@@ -309,11 +312,39 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
             _css=bundled("scene_view.css"),
             _token=secrets.token_hex(8),
             _headers={name: header(array) for name, array in arrays.items()},
-            **{f"_{name}": array.tobytes() for name, array in arrays.items()},
+            **{f"_{name}": array.tobytes() for name, array in sent.items()},
             **options,
         )
 
         self.on_msg(self._hear_of_up)
+        self.on_msg(self._hear_of_mesh)
+
+    def twin(self, **options: Any) -> SceneView:
+        """Another view of the same mesh, which takes its arrays from this one where both are on a page.
+
+        Parameters
+        ----------
+        **options
+            Initial values of its state.
+
+        Examples
+        --------
+        >>> import scenewidget as sw
+        >>> from scenewidget.datasets import analytic
+        >>> view = sw.SceneView(analytic.square(2))
+        >>> twin = view.twin(color_by="normals")
+        >>> twin.mesh is view.mesh, len(view._faces), len(twin._faces)
+        (True, 96, 0)
+        """
+        return SceneView(self.mesh, _mesh_of=self._token, **options)
+
+    def _hear_of_mesh(self, view: Any, message: Any, buffers: Any) -> None:
+        """A page without the view whose mesh this one draws asks for the arrays."""
+        if self._mesh_of and isinstance(message, dict) and message.get("kind") == "need_mesh":
+            with self.hold_sync():
+                self._mesh_of = ""
+                for name, array in geometry(self.mesh).items():
+                    self._put(name, array)
 
     def ask_up(self) -> None:
         """Let a bar over the picture ask which way is up, where neither the surface nor anybody told."""
@@ -763,10 +794,11 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
         path = checked_path(path)
         if not isinstance(title, str):
             raise TypeError(f"title must be a text, got {type(title).__name__}")
-        arrays = {
+        own = geometry(self.mesh)
+        arrays = own | {
             name: unpacked(getattr(self, f"_{name}"), header)
             for name, header in self._headers.items()
-            if name not in NOT_SAVED
+            if name not in own and name not in NOT_SAVED
         }
         state = {name: getattr(self, name) for name in self.traits(sync=True) if name in _own_names()}
         state |= {name: getattr(SceneView, name).default(self) for name in OF_THE_SESSION}

@@ -74,8 +74,10 @@ MAIN = (
         "slider", low=2, high=200, step=1, automatic="automatic", automatic_value="auto",
     ),
     Setting(
-        "k_range", "k-range", "Least and most clusters of a k-medoids run: more clusters see finer things.",
-        "range", low=2, high=500, automatic="2S to 2.5S, or 100 to 125",
+        "k_range", "k-range",
+        "Least and most clusters of a k-medoids run: more clusters see finer things; "
+        "automatic: 2S to 2.5S, or 100 to 125 where S is automatic.",
+        "range", low=2, high=500, automatic="automatic",
     ),
     Setting(
         "cost_exponent", "Cost exponent",

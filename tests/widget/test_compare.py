@@ -114,6 +114,56 @@ def test_both_views_look_the_same_way(compare):
     assert groups != {""}
 
 
+def test_three_sides_share_one_mesh_and_are_measured_by_any_rule():
+    halves = sw.Segmentation.from_labels(MESH, (MESH.face_centroids[:, 0] > 1).astype(int))
+
+    def size_ratio(first, other):
+        sizes = np.bincount(first)[first], np.bincount(other)[other]
+        return np.log(sizes[0] / sizes[1])
+
+    compare = sw.Compare(MESH, GIVEN, halves, GIVEN, truth=TRUTH, disagreement=size_ratio)
+    assert len(compare.wait(60)) == 3
+    assert repr(compare).endswith(f"faces, {GIVEN.n_segments}, 2 and {GIVEN.n_segments} segments)")
+    assert list(compare.scores)[2:] == ["C and truth", "B and A", "C and A"]
+    assert list(compare.to_frame().index) == ["A", "B", "C"]
+    first, *twins = compare.views
+    assert [len(view._faces) for view in compare.views] == [12 * MESH.n_faces, 0, 0]
+    assert [view._mesh_of for view in twins] == [first._token] * 2
+    errors = [np.frombuffer(view._face_error, np.uint8) for view in compare.views]
+    np.testing.assert_array_equal(errors[0], np.maximum(errors[1], errors[2]))
+    assert (errors[2] == 1).all()
+    assert {view.color_by for view in compare.views} == {"values"}
+    assert {view.values_legend["title"] for view in compare.views} == {"Size ratio"}
+    codes = np.frombuffer(twins[1]._face_value, np.uint16)
+    assert len(np.unique(codes)) == 1  # the log of one, everywhere
+    first.color_by = "segments"
+    compare.others = (halves,)
+    compare.wait(60)
+    assert first.color_by == "segments"  # a new result leaves the choice
+    assert twins[1]._face_error == twins[0]._face_error
+    with pytest.raises(ValueError, match="others must stay 1, one a view, got 2"):
+        compare.others = (halves, halves)
+    compare.close()
+
+
+def test_a_page_without_the_lender_gets_the_arrays():
+    view = sw.SceneView(MESH)
+    twin = view.twin()
+    twin._handle_custom_msg({"kind": "need_mesh"}, [])
+    assert (twin._mesh_of, twin._vertices, twin._faces) == ("", view._vertices, view._faces)
+
+
+def test_a_measure_that_gives_something_else_is_refused():
+    with pytest.raises(TypeError, match="disagreement must take the labels of two sides, got str"):
+        sw.Compare(MESH, GIVEN, GIVEN, disagreement="iou")
+    with pytest.raises(ValueError, match="at most 8 views at once"):
+        sw.Compare(MESH, *[GIVEN] * 9)
+    compare = sw.Compare(MESH, GIVEN, GIVEN, disagreement=lambda first, other: 0.5)
+    with pytest.raises(ValueError, match=r"disagreement must give \d+ numbers, one a face"):
+        compare.wait(30)
+    compare.close()
+
+
 def test_without_a_truth_they_are_compared_with_each_other():
     compare = sw.Compare(MESH, GIVEN, GIVEN)
     compare.wait(60)

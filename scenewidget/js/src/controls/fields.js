@@ -200,7 +200,7 @@ function range({ name, label, low = 0, high = 1, automatic = "" }, actions, id) 
   const least = element("input", { ...attributes, id, "aria-label": `${label}, least` });
   const most = element("input", { ...attributes, "aria-label": `${label}, most` });
   const shown = element("output", { class: "swc-output", for: id });
-  const tied = checkbox(automatic, automatic);
+  const tied = checkbox(automatic, `${label}, ${automatic}`);
   tied.input.dataset.tied = "";
   const value = () => {
     const ends = [Number(least.value), Number(most.value)];

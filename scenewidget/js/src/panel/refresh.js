@@ -2,6 +2,7 @@
 
 import { faceValues } from "../labels/face_values.js";
 import { readMesh } from "../scene/mesh.js";
+import { awaitMesh } from "../scene/shared_meshes.js";
 import { listen } from "../wire/listen.js";
 import { GROUPS } from "../wire/traits.js";
 import { ASIDE, CUT_OFF, GONE, lostEdits, UP } from "./notices.js";
@@ -104,6 +105,7 @@ export function createRefresh(around) {
     rested: looks.keepCamera,
   });
   listen(model, GROUPS, take, signal);
+  awaitMesh(model, () => takeSome("geometry", "partition"), signal);
   const onPending = () => takeSome("partition");
   segments.pending.watchers.add(onPending);
   signal.addEventListener("abort", () => {

@@ -57,6 +57,12 @@ export function createToolbar(send, autosave) {
   const history = element("div", { class: "sw-group" }, [
     ...[undo, redo, toHistory, autosave.button, autosave.word],
   ]);
+  // where room is scarce, what is seldom needed waits behind it
+  const more = element(
+    "button",
+    { class: "sw-text-button", type: "button", "aria-expanded": "false", title: "More buttons" },
+    ["More"],
+  );
   const showAll = textButton("Show all", "Show what is hidden (Shift + H)");
   const hiddenGroup = element("div", { class: "sw-group", hidden: "" }, [showAll]);
   const bar = element("div", { class: "sw-tools", role: "toolbar", "aria-label": "View" }, [
@@ -65,11 +71,17 @@ export function createToolbar(send, autosave) {
     modes,
     toolbox.element,
     history,
-    element("div", { class: "sw-group" }, [outlines, backFaces, section]),
-    element("div", { class: "sw-group" }, [fit, above, inside, start]),
-    element("div", { class: "sw-group" }, [segmentList, measure, picture, help]),
+    element("div", { class: "sw-group sw-more" }, [more]),
+    element("div", { class: "sw-group sw-seldom" }, [outlines, backFaces, section]),
+    element("div", { class: "sw-group sw-seldom" }, [fit, above, inside, start]),
+    element("div", { class: "sw-group sw-seldom" }, [segmentList, measure, picture, help]),
   ]);
 
+  more.onclick = () => {
+    const isOpen = more.getAttribute("aria-expanded") !== "true";
+    more.setAttribute("aria-expanded", String(isOpen));
+    bar.classList.toggle("sw-open", isOpen);
+  };
   fit.onclick = () => send({ kind: "look", from: "here" });
   above.onclick = () => send({ kind: "look", from: "above" });
   start.onclick = () => send({ kind: "look", from: "start" });

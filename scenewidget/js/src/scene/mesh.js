@@ -2,17 +2,18 @@
 
 import { readArray } from "../wire/wire.js";
 import { boundingBall, vertexNormals } from "./geometry.js";
+import { borrowed, lend } from "./shared_meshes.js";
 import { upright, uprightAxes, uprightNormals } from "./upright.js";
 
 /** @typedef {import("../wire/wire.js").Model} Model */
-/** @typedef {import("./renderer.js").MeshArrays} MeshArrays */
+/** @typedef {import("./shared_meshes.js").UprightMesh} UprightMesh */
 
-/** Arrays as drawn, shared by all views of a model. @type {WeakMap<Model, MeshArrays & { up: string }>} */
+/** Arrays as drawn, shared by all views of a model. @type {WeakMap<Model, UprightMesh>} */
 const meshes = new WeakMap();
 
 /**
  * @param {Model} model
- * @returns {MeshArrays | null}
+ * @returns {UprightMesh | null}
  */
 export function readMesh(model) {
   const known = meshes.get(model);
@@ -22,7 +23,7 @@ export function readMesh(model) {
   const colors = /** @type {Uint8Array | null} */ (readArray(model, "vertex_colors"));
   const areas = /** @type {Float32Array | null} */ (readArray(model, "areas"));
   const sides = /** @type {Int8Array | null} */ (readArray(model, "normals"));
-  if (!given) return null;
+  if (!given) return remembered(model, borrowed(model));
   const faces = areas ? pointsAsFaces(areas.length) : readArray(model, "faces");
   if (!faces || (areas && !sides)) return null;
   const vertices = upright(given, up);
@@ -36,7 +37,13 @@ export function readMesh(model) {
     axes: vertices === given ? null : uprightAxes(up),
     up: String(up),
   };
-  meshes.set(model, mesh);
+  lend(model, mesh);
+  return remembered(model, mesh);
+}
+
+/** @param {Model} model @param {UprightMesh | null} mesh */
+function remembered(model, mesh) {
+  if (mesh) meshes.set(model, mesh);
   return mesh;
 }
 

@@ -86,3 +86,16 @@ test("where nothing can be edited there are no tools for it", () => {
   assert.equal(press("Cut").parentElement.hidden, true);
   assert.equal(press("History").getAttribute("aria-pressed"), "false");
 });
+
+test("seldom used buttons wait behind one that says whether it is open", () => {
+  const { toolbar, press } = fake();
+  const isOpen = () => [
+    press("More").getAttribute("aria-expanded"),
+    toolbar.element.classList.contains("sw-open"),
+  ];
+  assert.deepEqual(isOpen(), ["false", false]);
+  press("More").click();
+  assert.deepEqual(isOpen(), ["true", true]);
+  press("More").click();
+  assert.deepEqual(isOpen(), ["false", false]);
+});
