@@ -372,10 +372,11 @@ class Segmentation:
         )
 
     def to_frame(self) -> pd.DataFrame:
-        """A row a segment: name, faces, area (m²), centroid (m), normal, flatness, confidence.
+        """A row a segment: name, faces, area (m²), centroid (m), normal, flatness, size (m), confidence.
 
         The centroid and the area-weighted mean normal are tuples of three; flatness is λ2/λ0 of the
-        scatter matrix, 0 for a plane; confidence is the mean over the area.
+        scatter matrix, 0 for a plane; size is that of the smallest upright box, z up: the longer and the
+        shorter side of its plan and its height, see `boxes`; confidence is the mean over the area.
         """
         import pandas as pd
 
@@ -395,6 +396,7 @@ class Segmentation:
                 "centroid": [tuple(row) for row in centroid.tolist()],
                 "normal": [tuple(row) for row in normal.tolist()],
                 "flatness": moments.flatness(),
+                "size": [tuple(row) for row in oriented_boxes(mesh, labels, n).size.tolist()],
                 "confidence": confidence,
             },
             index=pd.RangeIndex(n, name="segment"),

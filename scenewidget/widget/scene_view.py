@@ -11,7 +11,7 @@ import math
 import os
 import secrets
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from scenewidget.editing.files import checked_path
 from scenewidget.editing.formats.seal import write_files
 from scenewidget.editing.snapshot import Snapshot
 from scenewidget.engine.atoms import Atoms, common_refinement
+from scenewidget.engine.boxes import oriented_boxes
 from scenewidget.engine.family import Family
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
@@ -34,7 +35,15 @@ from scenewidget.widget.observing import FaultTolerant
 from scenewidget.widget.page import make_page
 from scenewidget.widget.segment_colors import SegmentColors
 from scenewidget.widget.upright import AXES, checked_up, told_up
-from scenewidget.widget.wire import compact, geometry, header, unit_codes, unlabeled_as_most, unpacked
+from scenewidget.widget.wire import (
+    compact,
+    geometry,
+    header,
+    middle_of,
+    unit_codes,
+    unlabeled_as_most,
+    unpacked,
+)
 
 __all__ = ["SceneView"]
 
@@ -109,6 +118,12 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
     Parts of its extent along the walls, across them, and upwards. An end at 0 or 1 cuts nothing;
     ``[(0, 1), (0, 1), (0, 0.8)]`` takes a room's ceiling off.
     """
+
+    boxes = traitlets.Bool(False).tag(sync=True)
+    """Whether the upright box around each segment is drawn, see `Segmentation.boxes`."""
+
+    column = traitlets.Unicode().tag(sync=True)
+    """The column of the table of segments that colours them, one of ``columns``; "" = none."""
 
     segment_list = traitlets.Bool(False).tag(sync=True)
     """Whether the list of segments is open beside the picture."""
@@ -214,6 +229,9 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
     errors_title = traitlets.Unicode(read_only=True).tag(sync=True)
     """Of the legend of the errors; "" = they can't be chosen."""
 
+    columns = traitlets.List(traitlets.Unicode(), read_only=True).tag(sync=True)
+    """Columns of a table of segments by which faces can be coloured; whoever offers them gives the values."""
+
     values_legend = traitlets.Dict(read_only=True).tag(sync=True)
     """Title and ends of the numbers on show: ``{"title": str, "low": float, "high": float}``."""
 
@@ -270,6 +288,8 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
     """(n_faces,) uint8: 0 unknown, 1 right, 2 wrong."""
     _face_border = traitlets.Bytes().tag(sync=True)
     """(n_faces,) uint16 codes, see `unit_codes`."""
+    _segment_box = traitlets.Bytes().tag(sync=True)
+    """(n_segments, 12) float32: the middle, and half of each side as a vector; NaN where there is no box."""
     _face_item = traitlets.Bytes().tag(sync=True)
     """(n_faces,) item of the preview, their number where there is none."""
     _preview_segment = traitlets.Bytes().tag(sync=True)
@@ -379,6 +399,31 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
     @traitlets.validate("up")
     def _check_up(self, proposal: Any) -> Any:
         return checked_up(proposal["value"])
+
+    @traitlets.validate("column")
+    def _check_column(self, proposal: Any) -> Any:
+        name = proposal["value"]
+        if name and name not in self.columns:
+            offered = ", ".join(map(repr, self.columns)) or "none here"
+            raise ValueError(f"column must be one of {offered}, got {name!r:.200}")
+        return name
+
+    @traitlets.observe("color_by")
+    def _leave_column(self, change: Any) -> None:
+        if change["new"] != "values":
+            self.column = ""
+
+    @traitlets.observe("boxes", "revision", "_up")
+    def _measure_boxes(self, _: Any) -> None:
+        """Boxes of the segments as they are, while they are to be seen."""
+        atoms = self._colors.atoms
+        if not self.boxes or atoms is None or not self.n_segments:
+            return
+        labels = self._colors.table[atoms.face_atom]
+        found = oriented_boxes(self.mesh, labels, int(labels.max()) + 1, np.array(self._up))
+        halves = found.axes * (found.size / 2)[:, :, None]
+        rows = np.column_stack([found.center - middle_of(self.mesh), halves.reshape(-1, 9)])
+        self._put("segment_box", rows.astype(np.float32))
 
     @traitlets.observe("up")
     def _take_up(self, change: Any) -> None:
@@ -635,6 +680,7 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
         colormap: str = "viridis",
         low: float | None = None,
         high: float | None = None,
+        column: str = "",
     ) -> None:
         """Colour faces by a number each, with a legend, and switch ``color_by`` to it.
 
@@ -648,6 +694,8 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
             Name of a matplotlib colour map.
         low, high : float, optional
             Ends of the colour map; the smallest and the largest finite value by default.
+        column : str
+            The one of ``columns`` that these are the values of.
         """
         try:
             numbers = np.asarray(values, np.float64)
@@ -668,6 +716,16 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
             self._put("colormap", colormap_table(colormap))
             self.set_trait("values_legend", {"title": title, "low": low, "high": high})
             self.color_by = "values"
+            self.column = column
+
+    def offer_columns(self, names: Sequence[str]) -> None:
+        """Let a column of the table of segments be chosen as colour; whoever offers it observes ``column``.
+
+        Parameters
+        ----------
+        names : list of str
+        """
+        self.set_trait("columns", list(names))
 
     def offer_errors(self, title: str) -> None:
         """Let ``color_by="errors"`` be chosen; whoever offers it calls `set_errors` once it is.

@@ -30,6 +30,7 @@ from scenewidget.engine.segmentation import Segmentation
 from scenewidget.engine.stages import TITLES
 from scenewidget.widget.autosave import Autosave
 from scenewidget.widget.border_lines import border_lines
+from scenewidget.widget.columns import COLUMNS, column_values
 from scenewidget.widget.controls import ParamsControls
 from scenewidget.widget.edit_commands import EditCommands
 from scenewidget.widget.lifetimes import belongs_to_its_cell, close_all
@@ -177,7 +178,7 @@ class SceneWidget(FaultTolerant, widgets.VBox):
         if self._scorer is not None:
             self.view.offer_errors("Errors against the truth")
             self.view.observe(lambda _: self._score_runner.submit(self._score), "color_by")
-        self.view.observe(lambda _: self._border_runner.submit(self._draw_borders), "color_by")
+        self.view.observe(lambda _: self._border_runner.submit(self._draw_derived), ["color_by", "column"])
         self.observe(self._take_params, "params")
         self.controls.observe(lambda change: self.set_trait("params", change["new"]), "params")
         belongs_to_its_cell(self)
@@ -409,7 +410,7 @@ class SceneWidget(FaultTolerant, widgets.VBox):
         self._suggestion_bar.forget()
         if self._scorer is not None:
             self._score_runner.submit(self._score)
-        self._border_runner.submit(self._draw_borders)
+        self._border_runner.submit(self._draw_derived)
         if self._is_observed:
             self._catch_up()
 
@@ -435,14 +436,21 @@ class SceneWidget(FaultTolerant, widgets.VBox):
             if errors is not None:
                 self.view.set_errors(errors)
 
-    def _draw_borders(self) -> None:
-        """Lines along the borders as they are now, where they are looked at; in a thread of its own."""
-        session = self.session
-        if session is None or self.view.color_by != "borders":
+    def _draw_derived(self) -> None:
+        """Borders or a column of the table as they are now, where looked at; in a thread of its own."""
+        session, column = self.session, self.view.column
+        if session is None:
             return
-        lines = border_lines(session.segmentation)
-        with self._lock:
-            self.view.set_borders(lines)
+        if self.view.color_by == "borders":
+            lines = border_lines(session.segmentation)
+            with self._lock:
+                self.view.set_borders(lines)
+        elif column:
+            segmentation = session.segmentation
+            values = column_values(segmentation, column)[segmentation.labels]
+            with self._lock:
+                if self.view.column == column:
+                    self.view.set_values(values, title=COLUMNS[column], column=column)
 
     def _show_progress(self, stage: str, fraction: float) -> None:
         with self._lock, self.view.hold_sync():
@@ -462,6 +470,7 @@ class SceneWidget(FaultTolerant, widgets.VBox):
                 summary += f"; {lost} of your edits {do} apply to it, the history (U) says why"
             self.controls.can_suggest = True
             self.view.set_trait("offers_borders", True)
+            self.view.offer_columns(list(COLUMNS))
             self._end(summary)
         self._offer_family(params, self.pipeline.family(params))
         self._previewer.prepare(params)

@@ -302,7 +302,7 @@ def test_a_page_that_can_not_be_written_says_why_and_leaves_the_old_one(view, tm
 
 def test_an_unknown_option_is_named_with_those_there_are():
     with pytest.raises(
-        TypeError, match=r"no option 'colour'; there are: back_faces, busy, camera_group, color_by"
+        TypeError, match=r"no option 'colour'; there are: back_faces, boxes, busy, camera_group"
     ):
         SceneView(grid_square(2), colour="red")
 

@@ -7,7 +7,7 @@
  *   | { kind: "zoom", factor: number }
  *   | { kind: "look", from: "here" | "above" | "start" }
  *   | { kind: "walk", way: import("../scene/walk.js").Way }
- *   | { kind: "toggle", what: "outlines" | "back_faces" | "segment_list" | "section" | "picture" | "ceiling" | "inside" | "help" | "history_shown" | "mode" }
+ *   | { kind: "toggle", what: "outlines" | "back_faces" | "boxes" | "segment_list" | "section" | "picture" | "ceiling" | "inside" | "help" | "history_shown" | "mode" }
  *   | { kind: "level" | "quick_name", index: number }
  *   | { kind: "part", what: PartAction }
  *   | { kind: "undo" | "redo" | "escape" | "choose" | "finish" | "show_all" | "save" }
@@ -51,6 +51,7 @@ const SHOW = [
   ["Shift + X", "cut the ceiling off, and back"],
   ["O", "outlines"],
   ["B", "back faces"],
+  ["Shift + B", "boxes of the segments"],
   ["L", "list of segments; in it ↑ ↓ F H I N"],
   ["D", "distance between two points"],
   ["P", "save the picture as a file"],
@@ -160,6 +161,7 @@ const COMMANDS = {
 const WITH_SHIFT = {
   f: { kind: "look", from: "here" },
   h: { kind: "show_all" },
+  b: { kind: "toggle", what: "boxes" },
   x: { kind: "toggle", what: "ceiling" },
 };
 

@@ -58,7 +58,7 @@
  * - cut_sought: Python begins or ends to look for a cut
  *
  * To be shown beside the picture: remark (for a moment), hover (of what is pointed at), hint (of what can be
- * done next), line (from what is in hand to the pointer), outline (what a tool draws), ring (the round brush), twin (where a linked view points), cross (where keys
+ * done next), line (from what is in hand to the pointer), outline (what a tool draws), boxes (of the segments), ring (the round brush), twin (where a linked view points), cross (where keys
  * act), marked (a row of the list), ask_name (the form).
  * @typedef {{ kind: "moving" | "rested" | "lost" | "restored" | "segments" | "state" | "hidden" | "hand" | "cut_sought" }
  *   | { kind: "moved", camera: import("../scene/camera.js").Camera }
@@ -73,6 +73,7 @@
  *   | { kind: "hint", text: string | null, of: "part" | "stroke" | "hint" }
  *   | { kind: "line", from: Place | null, to: Place | null, isHeld: boolean }
  *   | { kind: "outline", places: Place[], isClosed: boolean, hasDots: boolean, label: string }
+ *   | { kind: "boxes", boxes: import("../scene/boxes.js").BoxLines[] }
  *   | { kind: "ring", place: Place | null, radius: number }
  *   | { kind: "twin", place: Place | null }
  *   | { kind: "cross", isShown: boolean }

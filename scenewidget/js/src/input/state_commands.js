@@ -2,7 +2,7 @@
 
 /** @typedef {import("./messages.js").Around} Around */
 
-const TRAITS = ["outlines", "back_faces", "segment_list", "history_shown"]; // that are on or off
+const TRAITS = ["outlines", "back_faces", "boxes", "segment_list", "history_shown"]; // that are on or off
 
 /** @param {Pick<Around, "model" | "on">} around */
 export function createStateCommands({ model, on }) {

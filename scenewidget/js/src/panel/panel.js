@@ -3,6 +3,7 @@
 import { segmentRows } from "../labels/segment_rows.js";
 import { createAnnouncer } from "./announcer.js";
 import { createAutosave } from "./autosave.js";
+import { createBoxes } from "./boxes.js";
 import { element } from "./elements.js";
 import { createErrorBar } from "./error_bar.js";
 import { createHelpCard } from "./help_card.js";
@@ -62,6 +63,7 @@ export function createPanel(host, { send, on }) {
   const nameForm = createNameForm(send, leave);
   const band = createRubberBand();
   const outline = createOutline();
+  const boxes = createBoxes();
   const list = createSegmentList(send, leave);
   const section = createSectionPanel(send, leave);
   const picture = createPicturePanel(send, leave, {
@@ -84,6 +86,7 @@ export function createPanel(host, { send, on }) {
         twin,
         preview,
         band.element,
+        boxes.element,
         outline.element,
         ring,
         cross,
@@ -132,6 +135,7 @@ export function createPanel(host, { send, on }) {
     },
     options: ({ options: next }) => options.show(next),
     outline: (what) => outline.show(what),
+    boxes: (what) => boxes.show(what.boxes),
     ring({ place, radius }) {
       ring.hidden = !place;
       if (!place) return;
@@ -158,7 +162,6 @@ export function createPanel(host, { send, on }) {
     canvas,
     dock,
     section,
-
     /** Close the help, a panel or the history; each says whether it was open. */
     closeHelp() {
       const isShown = help.isShown();

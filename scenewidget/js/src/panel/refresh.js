@@ -5,6 +5,7 @@ import { readMesh } from "../scene/mesh.js";
 import { awaitMesh } from "../scene/shared_meshes.js";
 import { listen } from "../wire/listen.js";
 import { GROUPS } from "../wire/traits.js";
+import { boxLines } from "./boxes.js";
 import { ASIDE, CUT_OFF, GONE, lostEdits, UP } from "./notices.js";
 import { panelState } from "./state.js";
 
@@ -24,8 +25,11 @@ const LEAST_TO_ASK = 320; // pixels of a picture that has room for a question
  * @returns {() => void}  take everything
  */
 export function createRefresh(around) {
-  const { model, view, segments, root, panel, hand, looks, connection, context, measure, on, signal } =
+  const { model, view, segments, root, panel, hand, looks, connection, context, measure, on, send, signal } =
     around;
+  /** Face that is pointed at. @type {number | null} */
+  let pointed = null;
+  const showBoxes = () => send({ kind: "boxes", boxes: boxLines(around, pointed) });
   /** Values of the faces as they are drawn. @type {ReturnType<typeof faceValues>} */
   let drawn = null;
   /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -37,6 +41,7 @@ export function createRefresh(around) {
     if (groups.has("partition")) takeSegments();
     takeValues();
     takeState();
+    showBoxes();
   }
 
   function takeMesh() {
@@ -102,7 +107,15 @@ export function createRefresh(around) {
       if (!segments.isPreview) looks.keepHidden();
       takeSome();
     },
-    rested: looks.keepCamera,
+    moving: showBoxes,
+    rested() {
+      looks.keepCamera();
+      showBoxes();
+    },
+    pointed({ face }) {
+      pointed = face;
+      if (model.get("boxes")) showBoxes();
+    },
   });
   listen(model, GROUPS, take, signal);
   awaitMesh(model, () => takeSome("geometry", "partition"), signal);

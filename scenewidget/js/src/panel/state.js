@@ -13,6 +13,9 @@ import { legendOf } from "./legend.js";
  * @property {string} [errorsTitle]  what errors are shown against; "" = none can be shown
  * @property {boolean} hasScan
  * @property {boolean} [offersBorders]  whether doubtful borders can be shown
+ * @property {string[]} [columns]  of the table of segments, that can be shown
+ * @property {string} [column]  the one that is; "" = none
+ * @property {boolean} [boxes]  whether they are drawn
  * @property {boolean} hasValues
  * @property {string} valuesTitle
  * @property {boolean} hasPartition
@@ -70,6 +73,9 @@ export function panelState({ model, view, segments }, { tool, isLive, notices })
     hasScan: mesh?.colors != null,
     errorsTitle: model.get("errors_title"),
     offersBorders: model.get("offers_borders"),
+    columns: model.get("columns"),
+    column: model.get("column"),
+    boxes: model.get("boxes"),
     hasValues: readArray(model, "face_value") !== null,
     valuesTitle: model.get("values_legend").title ?? "",
     hasPartition: partition !== null,

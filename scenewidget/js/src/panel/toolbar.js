@@ -6,6 +6,8 @@ import { createToolbox } from "./toolbox.js";
 
 /** @typedef {import("./state.js").PanelState} PanelState */
 
+const COLUMN = "column:"; // before the name of a column of the table of segments, among the ways of colouring
+
 /**
  * @param {import("../input/messages.js").Send} send
  * @param {Pick<ReturnType<typeof import("./autosave.js").createAutosave>, "button" | "word">} autosave
@@ -20,6 +22,7 @@ export function createToolbar(send, autosave) {
   const section = iconButton("section", "Section", "X");
   const outlines = iconButton("outlines", "Outlines", "O");
   const backFaces = iconButton("backFaces", "Back faces", "B");
+  const boxes = iconButton("boxes", "Boxes", "Shift + B");
   const segmentList = iconButton("list", "List of segments", "L");
   const picture = iconButton("picture", "Picture", "P");
   const measure = iconButton("measure", "Distance", "D");
@@ -60,9 +63,10 @@ export function createToolbar(send, autosave) {
   // where room is scarce, what is seldom needed waits behind it
   const more = element(
     "button",
-    { class: "sw-text-button", type: "button", "aria-expanded": "false", title: "More buttons" },
+    { class: "sw-text-button sw-more", type: "button", "aria-expanded": "false", title: "More buttons" },
     ["More"],
   );
+  for (const button of [outlines, backFaces, boxes]) button.classList.add("sw-seldom");
   const showAll = textButton("Show all", "Show what is hidden (Shift + H)");
   const hiddenGroup = element("div", { class: "sw-group", hidden: "" }, [showAll]);
   const bar = element("div", { class: "sw-tools", role: "toolbar", "aria-label": "View" }, [
@@ -71,8 +75,7 @@ export function createToolbar(send, autosave) {
     modes,
     toolbox.element,
     history,
-    element("div", { class: "sw-group sw-more" }, [more]),
-    element("div", { class: "sw-group sw-seldom" }, [outlines, backFaces, section]),
+    element("div", { class: "sw-group" }, [more, section, outlines, backFaces, boxes]),
     element("div", { class: "sw-group sw-seldom" }, [fit, above, inside, start]),
     element("div", { class: "sw-group sw-seldom" }, [segmentList, measure, picture, help]),
   ]);
@@ -92,9 +95,14 @@ export function createToolbar(send, autosave) {
   section.onclick = () => send({ kind: "toggle", what: "section" });
   outlines.onclick = () => set("outlines", !isPressed(outlines));
   backFaces.onclick = () => set("back_faces", !isPressed(backFaces));
+  boxes.onclick = () => set("boxes", !isPressed(boxes));
   segmentList.onclick = () => set("segment_list", !isPressed(segmentList));
   toHistory.onclick = () => set("history_shown", !isPressed(toHistory));
-  colorBy.onchange = () => set("color_by", colorBy.value);
+  colorBy.onchange = () => {
+    const column = colorBy.value.startsWith(COLUMN) ? colorBy.value.slice(COLUMN.length) : null;
+    if (column === null) set("color_by", colorBy.value);
+    else set("column", column);
+  };
   level.onchange = () => set("level", level.value);
   mixing.oninput = () => set("color_mix", Number(mixing.value));
   look.onclick = () => set("mode", "navigate");
@@ -120,7 +128,7 @@ export function createToolbar(send, autosave) {
 
     /** @param {PanelState} state */
     update(state) {
-      offerChoices(colorBy, state.colorBy, colorings(state));
+      offerChoices(colorBy, state.column ? COLUMN + state.column : state.colorBy, colorings(state));
       offerChoices(
         level,
         state.level,
@@ -131,6 +139,8 @@ export function createToolbar(send, autosave) {
       mixing.value = String(state.mixing);
       setPressed(outlines, state.outlines);
       setPressed(backFaces, state.backFaces);
+      boxes.hidden = !state.hasPartition;
+      setPressed(boxes, Boolean(state.boxes));
       setPressed(section, !isWhole(state.section));
       segmentList.hidden = !state.hasPartition;
       setPressed(segmentList, state.segmentList);
@@ -148,7 +158,7 @@ export function createToolbar(send, autosave) {
 
 /**
  * The ways of colouring that make sense now: value and text.
- * @param {Pick<PanelState, "hasPartition" | "hasConfidence" | "hasValues" | "hasScan" | "levels" | "errorsTitle" | "offersBorders" | "valuesTitle">} state
+ * @param {Pick<PanelState, "hasPartition" | "hasConfidence" | "hasValues" | "hasScan" | "levels" | "errorsTitle" | "offersBorders" | "valuesTitle" | "columns" | "column">} state
  */
 export function colorings(state) {
   const all = /** @type {Array<[string, string, boolean]>} */ ([
@@ -157,7 +167,8 @@ export function colorings(state) {
     ["confidence", "Confidence", state.hasConfidence],
     ["borders", "Doubtful borders", Boolean(state.offersBorders)],
     ["errors", "Errors", Boolean(state.errorsTitle)],
-    ["values", state.valuesTitle || "Values", state.hasValues],
+    ...(state.columns ?? []).map((name) => [COLUMN + name, capitalized(name), state.hasPartition]),
+    ["values", state.valuesTitle || "Values", state.hasValues && !state.column],
     ["normals", "Normals", true],
     ["scan", "Scan", state.hasScan],
     ["shaded", "Plain", true],

@@ -520,6 +520,12 @@ export class Viewer {
     return seen && { x: ((1 + seen[0]) / 2) * width, y: ((1 - seen[1]) / 2) * height };
   }
 
+  /** A point in the mesh's own axes as the upright picture has it. @param {Vec3} point @returns {Vec3} */
+  fromOwn([x, y, z]) {
+    const axes = this.mesh?.axes;
+    return axes ? /** @type {Vec3} */ (axes.map(([a, b, c]) => a * x + b * y + c * z)) : [x, y, z];
+  }
+
   /**
    * Point of the surface at a place, as the picture was when it last stood still.
    * @param {Place} place

@@ -99,3 +99,27 @@ test("seldom used buttons wait behind one that says whether it is open", () => {
   press("More").click();
   assert.deepEqual(isOpen(), ["false", false]);
 });
+
+test("a column of the table of segments is a colour of its own", () => {
+  const { toolbar, take, press } = fake({
+    columns: ["area"],
+    column: "area",
+    colorBy: "values",
+    hasValues: true,
+  });
+  const select = /** @type {any} */ (press("Colour by"));
+  assert.equal(select.value, "column:area");
+  assert.ok(
+    !colorings({ ...state, columns: ["area"], column: "area", hasValues: true }).some(
+      ([name]) => name === "values",
+    ),
+  );
+  select.onchange();
+  select.value = "segments";
+  select.onchange();
+  assert.deepEqual(take(), [
+    { kind: "set", name: "column", value: "area" },
+    { kind: "set", name: "color_by", value: "segments" },
+  ]);
+  assert.ok(toolbar);
+});
