@@ -11,18 +11,19 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from scenewidget.engine.checks import checked_whole
 from scenewidget.engine.consensus import CoAssociation
-from scenewidget.engine.doubt import doubts
+from scenewidget.engine.doubt import Doubt, doubts
 from scenewidget.engine.finish import connected_pieces
 from scenewidget.engine.items import Items
 from scenewidget.engine.linkage import cut_tree
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.engine.pieces import Pieces, make_pieces
-from scenewidget.engine.segmentation import Segmentation, confidence_of, order_by_area
+from scenewidget.engine.segmentation import Segmentation, order_by_area
 
 __all__ = ["Family", "fine_pieces", "make_family"]
 
@@ -58,7 +59,7 @@ class Family:
     piece: IntArray
     merges: IntArray
     similarity: FloatArray
-    _pieces: Pieces  # of the finest cut
+    _base: IntArray  # (n_items,) base segment of each
     _face_areas: FloatArray  # (most,) of the faces of each piece
     _items: Items
 
@@ -66,6 +67,13 @@ class Family:
         for value in vars(self).values():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
+
+    @cached_property
+    def _pieces(self) -> Pieces:
+        """Of the finest cut."""
+        run, to_faces = self.segmentation, self._items.to_faces
+        base = to_faces(self._base, -1)
+        return make_pieces(run.mesh, to_faces(self.piece, -1), base, scale=self._items.scale)
 
     def __repr__(self) -> str:
         return f"Family({self.least} to {self.most} segments)"
@@ -110,7 +118,7 @@ class Family:
             Beyond the ends of the family it is taken for its end.
         """
         group = self.groups(min(max(n_segments, self.least), self.most))
-        return np.append(order_by_area(group, self._face_areas)[0], -1)[self.piece]
+        return np.append(order_by_area(group, self._face_areas)[0], np.int32(-1))[self.piece]
 
     def cut(self, n_segments: int) -> Segmentation:
         """The segmentation with exactly ``n_segments`` segments.
@@ -126,17 +134,20 @@ class Family:
         if n_segments == run.n_segments:
             return run
         dense, _ = order_by_area(group, self._face_areas)
-        item_labels = np.append(dense, -1)[self.piece]
+        item_labels = np.append(dense, np.int32(-1))[self.piece]
         labels = self._items.to_faces(item_labels, -1)
         labels.flags.writeable = False
-        # pieces of the finest cut, each in its segment of this one
-        pieces = dataclasses.replace(self._pieces, labels=labels, segment=dense[self._pieces.segment])
-        doubt = doubts(pieces, run.keys, run.report.get("runs"), n_segments=n_segments)
+
+        def find_doubt() -> Doubt:
+            # pieces of the finest cut, each in its segment of this one
+            pieces = dataclasses.replace(self._pieces, labels=labels, segment=dense[self._pieces.segment])
+            return doubts(pieces, run.keys, run.report.get("runs"), n_segments=n_segments)
+
         return dataclasses.replace(
             run,
             labels=labels,
-            confidence=confidence_of(doubt),
-            doubt=doubt,
+            confidence=None,  # type: ignore[arg-type]  # follows from the doubt
+            doubt=find_doubt,
             names=(),
             item_labels=item_labels,
             timings={},
@@ -246,12 +257,7 @@ def make_family(
         piece,
         np.array([step[:2] for step in steps], dtype=np.int32).reshape(-1, 2),
         np.array([step[2] for step in steps], dtype=np.float64),
-        make_pieces(
-            segmentation.mesh,
-            items.to_faces(piece, -1),
-            items.to_faces(co.base, -1),
-            scale=items.scale,
-        ),
+        co.base,
         np.bincount(piece[keep], seen[keep], len(kept)).astype(np.float64),
         items,
     )

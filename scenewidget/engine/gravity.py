@@ -6,9 +6,11 @@ the one against gravity where floors, ceilings and walls tell. Nothing depends o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
 
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.sides import right_side_out
@@ -72,7 +74,7 @@ class Axis:
         return self.along + self.against
 
 
-def up_direction(mesh: Mesh) -> FloatArray | None:
+def up_direction(mesh: Mesh, axes: Sequence[Axis] | None = None) -> FloatArray | None:
     """(3,) unit vector against gravity, or None where the surface doesn't tell.
 
     Floor and ceiling together are larger than a pair of walls, and rooms are wider than high: the axis is the
@@ -85,6 +87,8 @@ def up_direction(mesh: Mesh) -> FloatArray | None:
     ----------
     mesh : Mesh
         In metres, normals pointing into free space.
+    axes : sequence of Axis, optional
+        `large_axes` of the mesh, where they are known.
 
     Examples
     --------
@@ -92,7 +96,7 @@ def up_direction(mesh: Mesh) -> FloatArray | None:
     >>> up_direction(load_room()[0]).round(1) + 0.0
     array([0., 0., 1.])
     """
-    axes = [axis for axis in large_axes(mesh) if axis.share >= LEAST]
+    axes = [axis for axis in axes or large_axes(mesh) if axis.share >= LEAST]
     if not axes:
         return None
     if axes[0].along >= ALONE:  # one plane: of a table with things on it, or of a bare wall
@@ -156,10 +160,13 @@ def _sample(mesh: Mesh, rounds: int = ROUNDS) -> tuple[FloatArray, FloatArray, F
     """Centroids, smoothed unit normals and areas of some of the faces."""
     vectors = mesh.face_vectors
     areas = mesh.face_areas
-    for _ in range(rounds if mesh.n_faces > FEW and not mesh.is_cloud else 0):
-        at_vertices = np.stack([_spread(mesh, vectors[:, k]) for k in range(3)], axis=1)
-        a, b, c = (at_vertices[mesh.faces[:, k]] for k in range(3))
-        vectors = a + b + c
+    rounds = rounds if mesh.n_faces > FEW and not mesh.is_cloud else 0
+    if rounds:
+        ends = np.arange(0, mesh.faces.size + 1, 3)
+        shape = (mesh.n_vertices, mesh.n_faces)
+        corners = sparse.csc_array((np.ones(mesh.faces.size), mesh.faces.ravel(), ends), shape=shape)
+    for _ in range(rounds):
+        vectors = corners.T @ (corners @ vectors)  # to the vertices, and back to the faces
         length = np.linalg.norm(vectors, axis=1)
         vectors *= np.divide(areas, length, out=np.zeros_like(length), where=length > 0)[:, None]
     solid = np.flatnonzero((areas > 0) & (np.abs(vectors).sum(axis=1) > 0))
@@ -168,10 +175,6 @@ def _sample(mesh: Mesh, rounds: int = ROUNDS) -> tuple[FloatArray, FloatArray, F
     normals = vectors[solid]
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return mesh.face_centroids[solid], normals, areas[solid]
-
-
-def _spread(mesh: Mesh, values: FloatArray) -> FloatArray:
-    return np.asarray(np.bincount(mesh.faces.ravel(), np.repeat(values, 3), mesh.n_vertices))
 
 
 def _half_sphere(n: int) -> FloatArray:

@@ -168,9 +168,12 @@ def _separated(
         maps = list(pool.map(maps_of, walls))
         uneven = _unevenness([grid.seams for wall in maps for grid in wall])
         steps = np.maximum(step, UNEVEN * uneven)
-        reliefs = pool.map(
-            lambda members, wall: _reliefs(items.areas, members, wall, steps, min_area), walls, maps
-        )
+
+        def reliefs_of(members: IntArray, wall: list[WallMap]) -> list[IntArray]:
+            key = ("reliefs", kind, cell, min_area, steps.tobytes(), members.tobytes())
+            return recall(key, lambda: _reliefs(items.areas, members, wall, steps, min_area))
+
+        reliefs = pool.map(reliefs_of, walls, maps)
         labels = labels.copy()
         for label, relief in enumerate(itertools.chain.from_iterable(reliefs), len(planes.areas)):
             labels[relief] = label

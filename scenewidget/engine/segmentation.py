@@ -5,7 +5,7 @@ Goes in: labels per item and the map from raw faces to items. Comes out: a read-
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
@@ -65,8 +65,9 @@ class Segmentation:
     report : mapping of str to anything
         What the user should know: faces dropped and why, items reached, orientation, warnings. "runs" says
         how many columns of the keys are of which kind.
-    doubt : Doubt, optional
-        What may be wrong, if it has been found already; kept only as long as it is of these ``labels``.
+    doubt : Doubt or callable () → Doubt, optional
+        What may be wrong, if it has been found already, or what finds it on first use; kept only as long as
+        it is of these ``labels``.
 
     Examples
     --------
@@ -91,7 +92,7 @@ class Segmentation:
     simplified: Mesh | None = None
     timings: Mapping[str, float] = field(default_factory=dict)
     report: Mapping[str, Any] = field(default_factory=dict)
-    doubt: Doubt | None = field(default=None, repr=False)
+    doubt: Doubt | Callable[[], Doubt] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         n = self.mesh.n_faces
@@ -128,7 +129,7 @@ class Segmentation:
             ("report", MappingProxyType(dict(self.report))),
         ):
             object.__setattr__(self, key, value)
-        if self.doubt is not None and self.doubt.pieces.labels is not labels:  # of labels replaced since
+        if isinstance(self.doubt, Doubt) and self.doubt.pieces.labels is not labels:  # replaced since
             object.__setattr__(self, "doubt", None)
 
     def __getattr__(self, name: str) -> Any:
@@ -142,6 +143,8 @@ class Segmentation:
     def __getstate__(self) -> dict[str, Any]:
         """For `pickle` and `copy.deepcopy`; what may be wrong is found again when it is asked for."""
         plain = {"levels": dict(self.levels), "timings": dict(self.timings), "report": dict(self.report)}
+        if callable(self.doubt):
+            plain["confidence"] = self.confidence  # which is not found again in the same way
         return {**vars(self), **plain, "doubt": None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -335,14 +338,14 @@ class Segmentation:
 
     def find_doubt(self) -> Doubt:
         """What may be wrong; found on first use where it wasn't given (half a second at a million faces)."""
-        if self.doubt is None:
+        found = self.doubt() if callable(self.doubt) else self.doubt
+        if found is None or found.pieces.labels is not self.labels:
             base = np.minimum(self.labels, 0) if self.keys is None else self.levels["base"]
             scale = self.report.get(SCALES, [None])[0] if self.items is None else self.items.scale
             pieces = make_pieces(self.mesh, self.labels, base, scale=scale)
             found = doubts(pieces, self.keys, self.report.get("runs"), n_segments=self.n_segments)
-            object.__setattr__(self, "doubt", found)
-        assert self.doubt is not None
-        return self.doubt
+        object.__setattr__(self, "doubt", found)
+        return found
 
     def boxes(self, up: FloatArray | None = None) -> pd.DataFrame:
         """The smallest upright box around each segment: center (m), size (m), axes.

@@ -91,13 +91,14 @@ def likely_unit(mesh: Mesh) -> Unit:
     extent = np.sort(high - low)[::-1]
     if not (extent[0] > 0 and edge > 0):
         return METRE
-    axes = large_axes(mesh)[:3]
+    found = large_axes(mesh)
+    axes = found[:3]
     opposed = [axis for axis in axes if axis.is_opposed and axis.share > 0.1]
     is_flat = bool(axes) and axes[0].share > ONE_PLANE and axes[0].extent < FLAT * extent[0]
     is_flat = is_flat and not opposed
     heights = []
     shelf, top = 0.0, 0.0
-    up = up_direction(mesh) if extent[0] > LARGE else None
+    up = up_direction(mesh, found) if extent[0] > LARGE else None
     if up is not None:  # walls may be opposed where there is no ceiling
         opposed = [axis for axis in opposed if abs(axis.direction @ up) > 0.95]
         if not opposed:

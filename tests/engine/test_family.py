@@ -1,6 +1,7 @@
 """A family of segmentations: nested, exact in number, through the run, and average linkage at heart."""
 
 import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -75,6 +76,20 @@ def test_a_cut_is_a_segmentation_like_any_other(run):
     assert cut.confidence.max() <= 1
     for level in ("dihedral", "base"):
         np.testing.assert_array_equal(cut.level(level), result.level(level))
+
+
+def test_a_cut_finds_its_doubt_when_it_is_asked_for(run):
+    result, family = run
+    n = max(family.least, result.n_segments - 2)
+    cut, other = family.cut(n), family.cut(n)
+    assert callable(cut.doubt)
+    assert cut.doubt().pieces.labels is cut.labels
+    sent = pickle.loads(pickle.dumps(cut))
+    np.testing.assert_array_equal(sent.confidence, other.confidence)
+    np.testing.assert_array_equal(dataclasses.replace(other, names=["x"] * n).confidence, cut.confidence)
+    assert cut.doubt is cut.find_doubt()
+    relabeled = dataclasses.replace(family.cut(n), labels=result.labels, names=())
+    assert relabeled.find_doubt().pieces.labels is relabeled.labels
 
 
 def test_a_cut_knows_the_borders_that_its_labels_have(run):
