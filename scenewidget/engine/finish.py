@@ -7,7 +7,8 @@ neighbour, and pieces of one thing joined (`furniture`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
+from typing import TypeVar
 
 import numpy as np
 
@@ -22,6 +23,8 @@ from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.relief import separate_reliefs, separate_tints
 
 __all__ = ["absorb_small", "connected_pieces", "finish", "tidied"]
+
+T = TypeVar("T")
 
 
 def finish(
@@ -138,9 +141,13 @@ def tidied(
     [0, 0, 0, 0]
     """
     monitor = monitor or SILENT
-    keep = recall if len(items.islands) == 1 else compute
 
     def run(island: Items, members: IntArray, labels: IntArray) -> IntArray:
+        first = int(members[0])  # names the island
+
+        def keep(key: Hashable, make: Callable[[], T]) -> T:
+            return recall((first, key), make)
+
         if planes:
             labels = join_planes(island, labels)
         monitor.tick()

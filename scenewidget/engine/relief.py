@@ -12,7 +12,6 @@ import itertools
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from scipy import ndimage
 
 from scenewidget.engine.consensus import co_association
 from scenewidget.engine.hull import segment_planes
@@ -21,10 +20,11 @@ from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.memo import Recall, compute
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.engine.region_merging import merged_regions
-from scenewidget.engine.wall_map import Seams, WallMap, wall_maps
+from scenewidget.engine.wall_map import Seams, WallMap, nearest, wall_maps
 
 __all__ = ["separate_reliefs", "separate_tints"]
 
+HEIGHTS, TINTS = slice(0, 1), slice(1, None)  # which values of the maps
 FACING = 0.7  # Items are in the map whose normal has this dot product with the wall's: no flanks, no shells.
 # A region above this share of the wall's main one must stand out more: scans bend walls and shift halves.
 LARGE = 0.3
@@ -87,7 +87,7 @@ def separate_reliefs(
     0.8
     """
     s = items.scale
-    return _separated(items, labels, None, step * s, min_area * s**2, cell * s, n_threads, recall)
+    return _separated(items, labels, HEIGHTS, step * s, min_area * s**2, cell * s, n_threads, recall)
 
 
 def separate_tints(
@@ -129,26 +129,25 @@ def separate_tints(
     >>> separate_tints(items, np.zeros(1, np.int32)).tolist()
     [0]
     """
-    tints = items.face_tints
-    if tints is None:
+    if items.face_tints is None:
         return labels
     s = items.scale
-    return _separated(items, labels, tints, contrast, min_area * s**2, cell * s, n_threads, recall)
+    return _separated(items, labels, TINTS, contrast, min_area * s**2, cell * s, n_threads, recall)
 
 
 def _separated(
     items: Items,
     labels: IntArray,
-    values: FloatArray | None,
+    which: slice,
     step: float,
     min_area: float,
     cell: float,
     n_threads: int,
     recall: Recall,
 ) -> IntArray:
-    """Regions parted by (n_values, n_faces) values of the faces; by their heights over the wall for None.
+    """Regions parted by some of the values in the maps, lengths in metres.
 
-    Lengths are in metres here.
+    A wall is mapped once for all its values: most walls stay whole when their reliefs are parted.
     """
     planes = segment_planes(items, labels)
     inside = items.normals @ planes.normals[planes.is_hull].T > FACING
@@ -158,20 +157,20 @@ def _separated(
     walls = [members for members in walls if len(members)]
     if not walls:
         return labels
-    kind = "heights" if values is None else "tints"
+    tints = items.face_tints  # not found by two threads at once
 
     def maps_of(members: IntArray) -> list[WallMap]:
-        key = ("wall map", kind, cell, members.tobytes())
-        return recall(key, lambda: wall_maps(items, members, values, cell))
+        key = ("wall map", cell, members.tobytes())
+        return recall(key, lambda: wall_maps(items, members, tints, cell))
 
     with ThreadPoolExecutor(n_threads) as pool:
         maps = list(pool.map(maps_of, walls))
-        uneven = _unevenness([grid.seams for wall in maps for grid in wall])
+        uneven = _unevenness([grid.seams.of(which) for wall in maps for grid in wall])
         steps = np.maximum(step, UNEVEN * uneven)
 
         def reliefs_of(members: IntArray, wall: list[WallMap]) -> list[IntArray]:
-            key = ("reliefs", kind, cell, min_area, steps.tobytes(), members.tobytes())
-            return recall(key, lambda: _reliefs(items.areas, members, wall, steps, min_area))
+            key = ("reliefs", which.start, cell, min_area, steps.tobytes(), members.tobytes())
+            return recall(key, lambda: _reliefs(items.areas, members, wall, which, steps, min_area))
 
         reliefs = pool.map(reliefs_of, walls, maps)
         labels = labels.copy()
@@ -192,14 +191,20 @@ def _unevenness(seams: list[Seams]) -> FloatArray:
 
 
 def _reliefs(
-    areas: FloatArray, members: IntArray, maps: list[WallMap], steps: FloatArray, min_area: float
+    areas: FloatArray,
+    members: IntArray,
+    maps: list[WallMap],
+    which: slice,
+    steps: FloatArray,
+    min_area: float,
 ) -> list[IntArray]:
     """Items of each region that stands out of the wall.
 
     Where the cells happen to lie matters near the threshold: so several grids vote, by evidence
     accumulation as in `consensus`.
     """
-    keys = [_regions(areas, grid, grid.seams.in_units_of(steps), min_area)[members] for grid in maps]
+    seams = [grid.seams.of(which).in_units_of(steps) for grid in maps]
+    keys = [_regions(areas, grid, seam, min_area)[members] for grid, seam in zip(maps, seams)]
     co = co_association(np.stack(keys, axis=1), areas[members], n_threads=1)
     region = cut_tree(average_linkage(co.C, co.weights), similarity=0.5)[co.base]
     area = np.bincount(region, areas[members])
@@ -242,8 +247,7 @@ def _most_frequent(item: IntArray, region: IntArray, n_items: int) -> IntArray:
 
 def _surrounded(region: IntArray, n_regions: int) -> FloatArray:
     """(n_regions,) share of each region's outline beyond which the map goes on; small holes don't count."""
-    distance, (rows, columns) = ndimage.distance_transform_edt(region < 0, return_indices=True)
-    region = np.where(distance <= HOLE, region[rows, columns], -1)
+    region = nearest(region, HOLE, np.full(region.shape, -1))
     outline, inner = np.zeros(n_regions + 1), np.zeros(n_regions + 1)  # the last is that of empty cells
     for axis in (0, 1):
         beside = np.roll(region, -1, axis)

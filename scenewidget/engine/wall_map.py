@@ -9,13 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
 
 from scenewidget.engine.items import Items
 from scenewidget.engine.kernels import kernel
-from scenewidget.engine.mesh import FloatArray, IntArray
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 
-__all__ = ["Seams", "WallMap", "wall_maps"]
+__all__ = ["Seams", "WallMap", "nearest", "wall_maps"]
 
 MARGIN = 5  # The map has so many empty cells round it, as heights are compared over five cells.
 MOST_CELLS = 2_000  # A side of the map has at most this many cells.
@@ -52,6 +51,15 @@ class Seams:
     step: FloatArray
     ridge: FloatArray
     length: FloatArray
+
+    def of(self, which: slice) -> Seams:
+        """The same of some of the values.
+
+        Parameters
+        ----------
+        which : slice
+        """
+        return Seams(self.pairs, self.step[which], self.ridge[which], self.length)
 
     def in_units_of(self, steps: FloatArray) -> Seams:
         """The same with steps and ridges as multiples of what counts as a step.
@@ -97,13 +105,15 @@ class WallMap:
 def wall_maps(items: Items, members: IntArray, values: FloatArray | None, cell: float) -> list[WallMap]:
     """Maps of a wall on four grids that are shifted against each other.
 
+    The first value is the height of the faces over the wall's best plane, either side up.
+
     Parameters
     ----------
     items : Items
     members : (n_members,) int
         Items of the wall.
     values : (n_values, items.mesh.n_faces) float64, optional
-        What to map; the heights of the faces over the wall's best plane where it is None.
+        What to map besides.
     cell : float
         Side of the cells, metres; more where faces are larger.
 
@@ -115,18 +125,20 @@ def wall_maps(items: Items, members: IntArray, values: FloatArray | None, cell: 
     >>> from scenewidget.engine.wall_map import wall_maps
     >>> floor = square(20)
     >>> items = patch_items(floor, floor.face_centroids[:, 0] > 0.5)
-    >>> height = 0.02 * items.item_of_face[None]  # the second half lies 2 cm higher
-    >>> grid = wall_maps(items, np.arange(2), height, 0.1)[0]
-    >>> (np.abs(grid.seams.step[0]) / grid.seams.length).round(2).tolist()
-    [0.02]
+    >>> tint = 0.3 * items.item_of_face[None]  # the second half is redder
+    >>> grid = wall_maps(items, np.arange(2), tint, 0.1)[0]
+    >>> (np.abs(grid.seams.step) / grid.seams.length).round(2).tolist()
+    [[0.0], [0.28]]
     """
     points = _points(items, members, values)
     cell = max(
         cell, 1.2 * float(np.sqrt(2 * np.median(points.area))), float(np.ptp(points.foot)) / MOST_CELLS
     )
+    foot = points.foot / cell
+    ends = np.stack([foot.min(axis=1), foot.max(axis=1)])
     maps = []
     for shift in SHIFTS:
-        grid = _value_map(points, cell, shift)
+        grid = _value_map(points, foot, ends, shift)
         whole = _without_rims(grid.item)
         maps.append(WallMap(grid.item, whole, _seams(grid, whole)))
     return maps
@@ -134,10 +146,10 @@ def wall_maps(items: Items, members: IntArray, values: FloatArray | None, cell: 
 
 @dataclass(frozen=True, eq=False)
 class _Points:
-    """Faces of a wall, item by item: where on its best plane, and their values or height over it."""
+    """Faces of a wall, item by item: where on its best plane, their height over it, and other values."""
 
     foot: FloatArray  # (2, n)
-    values: FloatArray  # (n_values, n)
+    values: FloatArray  # (1 + n_values, n)
     area: FloatArray
     item: IntArray
 
@@ -147,7 +159,7 @@ class _ValueMap:
     """Weights and values times weights of the cells, and the item that has most of a cell, −1 for none."""
 
     weight: FloatArray
-    values: FloatArray  # (n_values, rows, columns)
+    values: FloatArray  # (1 + n_values, rows, columns)
     item: IntArray
 
 
@@ -159,20 +171,21 @@ def _points(items: Items, members: IntArray, values: FloatArray | None) -> _Poin
     position -= np.average(position, axis=0, weights=area)  # a product's last bits depend on BLAS' threads
     _, axes = np.linalg.eigh((area[:, None] * position).T @ position)
     foot = np.ascontiguousarray(axes[:, 1:].T @ position.T)
-    heights = (position @ axes[:, 0])[None]  # either side may be up
-    values = np.ascontiguousarray(heights if values is None else values[:, faces])
-    return _Points(foot, values, area, items.item_of_face[faces])
+    mapped = np.empty((1 if values is None else 1 + len(values), len(faces)))
+    mapped[0] = position @ axes[:, 0]
+    if values is not None:
+        np.take(values, faces, axis=1, out=mapped[1:])
+    return _Points(foot, mapped, area, items.item_of_face[faces])
 
 
-def _value_map(points: _Points, cell: float, shift: tuple[float, float]) -> _ValueMap:
-    """Mean values of the faces in each cell, by area."""
-    offset = MARGIN - np.floor(points.foot.min(axis=1) / cell + shift)
-    most = np.floor(points.foot.max(axis=1) / cell + shift) + offset
+def _value_map(points: _Points, foot: FloatArray, ends: FloatArray, shift: tuple[float, float]) -> _ValueMap:
+    """Mean values of the faces in each cell, by area; ``foot`` in cells, and its least and most."""
+    offset = MARGIN - np.floor(ends[0] + shift)
+    most = np.floor(ends[1] + shift) + offset
     shape = (int(most[1]) + MARGIN + 1, int(most[0]) + MARGIN + 1)
-    across, along = np.asarray(shift) + offset
     weight, most, part = np.zeros((3, *shape))
     sums, winner = np.zeros((len(points.values), *shape)), np.full(shape, -1, np.int32)
-    columns, rows = (np.floor(points.foot / cell + [[across], [along]])).astype(np.int32)
+    columns, rows = (foot + (np.asarray(shift) + offset)[:, None]).astype(np.int32)  # from MARGIN on
     _rasterise(rows, columns, points.values, points.area, points.item, weight, sums, winner, most, part)
     return _ValueMap(weight, sums, winner)
 
@@ -210,14 +223,25 @@ def _without_rims(item: IntArray) -> IntArray:
 
     Superfacets split a step into narrow strips of middling height, over which both sides would be joined.
     """
-    size = 2 * RIM + 1
-    low, high = ndimage.minimum_filter(item, size), ndimage.maximum_filter(item, size)
     is_broad = np.zeros(int(item.max()) + 2, dtype=np.bool_)
-    is_broad[item[(low == high) & (item >= 0)]] = True
+    is_broad[item[_inner(item)]] = True
+    is_broad[-1] = False
     if not is_broad.any():
         return item
-    distance, (rows, columns) = ndimage.distance_transform_edt(~is_broad[item], return_indices=True)
-    return np.where((item >= 0) & (distance <= REACH), item[rows, columns], item)
+    return np.where(item >= 0, nearest(np.where(is_broad[item], item, -1), REACH, item), item)
+
+
+def _inner(item: IntArray) -> BoolArray:
+    """(rows, columns) whether all cells within RIM of a cell are of its item."""
+    out = np.ones(item.shape, dtype=np.bool_)
+    for axis in (0, 1):
+        near = [
+            (item == np.roll(item, step, axis)) & np.roll(out, step, axis)
+            for step in range(-RIM, RIM + 1)
+            if step != 0
+        ]
+        out &= np.logical_and.reduce(near)
+    return out
 
 
 def _seams(grid: _ValueMap, item: IntArray) -> Seams:
@@ -229,16 +253,14 @@ def _seams(grid: _ValueMap, item: IntArray) -> Seams:
     first, second, steps, ridges = [], [], [], []
     for axis in (0, 1):
         beside = np.roll(item, -1, axis)
-        at = np.nonzero((item >= 0) & (beside >= 0) & (item != beside))
-        nothing = np.zeros((len(grid.values), len(at[0])))
-        here, there = (_mean(grid, at, axis, (k,), nothing) for k in (0, 1))
-        before = _mean(grid, at, axis, (-2, -3, -4), here)
-        after = _mean(grid, at, axis, (3, 4, 5), there)
-        i, j = item[at], beside[at]
+        rows, columns = np.nonzero((item >= 0) & (beside >= 0) & (item != beside))
+        i, j = item[rows, columns], beside[rows, columns]
+        across, above = np.empty((2, len(grid.values), len(i)))
+        _measure(rows, columns, 1 - axis, axis, grid.weight, grid.values, across, above)
         first.append(np.minimum(i, j))
         second.append(np.maximum(i, j))
-        steps.append(np.where(i < j, after - before, before - after))
-        ridges.append(_mean(grid, at, axis, (0, 1), nothing) - (before + after) / 2)
+        steps.append(np.where(i < j, across, -across))
+        ridges.append(above)
     low, high = np.concatenate(first), np.concatenate(second)
     n = int(item.max()) + 1
     code, inverse = np.unique(low * n + high, return_inverse=True)
@@ -254,13 +276,74 @@ def _sums(place: IntArray, values: FloatArray, n_places: int) -> FloatArray:
     return np.asarray(np.bincount(place, values, n_places), dtype=np.float64)
 
 
-def _mean(
-    grid: _ValueMap, at: tuple[IntArray, ...], axis: int, shifts: tuple[int, ...], otherwise: FloatArray
-) -> FloatArray:
-    """Mean values of the cells so far along an axis from places; something else where all are empty."""
-    weight, values = np.zeros(otherwise.shape[1]), np.zeros(otherwise.shape)
-    for shift in shifts:
-        rows, columns = (places + shift if a == axis else places for a, places in enumerate(at))
-        weight += grid.weight[rows, columns]
-        values += grid.values[:, rows, columns]
-    return np.where(weight > 0, values / np.where(weight > 0, weight, 1.0), otherwise)
+@kernel
+def _measure(rows, columns, down, right, weight, values, step, ridge):  # type: ignore[no-untyped-def]
+    """Step and ridge of the values where a cell meets the next one down or to the right.
+
+    Where all cells that a mean is taken over are empty, that at the seam itself stands for it.
+    """
+    for e in range(len(rows)):
+        r, c = rows[e], columns[e]
+        for v in range(len(values)):
+            here, there = weight[r, c], weight[r + down, c + right]
+            at, beside = values[v, r, c], values[v, r + down, c + right]
+            seam, w = at + beside, here + there
+            seam = seam / w if w > 0 else 0.0
+            before = at / here if here > 0 else 0.0
+            after = beside / there if there > 0 else 0.0
+            total, w = 0.0, 0.0
+            for k in range(2, 5):
+                w += weight[r - k * down, c - k * right]
+                total += values[v, r - k * down, c - k * right]
+            if w > 0:
+                before = total / w
+            total, w = 0.0, 0.0
+            for k in range(3, 6):
+                w += weight[r + k * down, c + k * right]
+                total += values[v, r + k * down, c + k * right]
+            if w > 0:
+                after = total / w
+            step[v, e] = after - before
+            ridge[v, e] = seam - (before + after) / 2
+
+
+def nearest(cells: IntArray, reach: int, otherwise: IntArray) -> IntArray:
+    """(rows, columns) the value of the nearest cell that has one, within ``reach`` cells.
+
+    Of several as near that in the first column, there in the first row, as `scipy.ndimage` has it.
+
+    Parameters
+    ----------
+    cells : (rows, columns) int
+        −1 where there is no value.
+    reach : int
+        In cells.
+    otherwise : (rows, columns) int
+        What stands where none is within reach, and within ``reach`` of the map's edges.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.wall_map import nearest
+    >>> cells = np.full((5, 7), -1)
+    >>> cells[2, 2] = 5
+    >>> nearest(cells, 2, np.zeros((5, 7), int))[2].tolist()
+    [0, 0, 5, 5, 5, 0, 0]
+    """
+    steps = range(-reach, reach + 1)
+    offsets = sorted((x * x + y * y, x, y) for x in steps for y in steps if x * x + y * y <= reach * reach)
+    out = np.array(otherwise, dtype=np.int32)
+    _fill(np.asarray(cells, dtype=np.int32), np.array(offsets), reach, out)
+    return out
+
+
+@kernel
+def _fill(cells, offsets, reach, out):  # type: ignore[no-untyped-def]
+    """The first value at one of the offsets, the third and second number of each, from each cell."""
+    for r in range(reach, cells.shape[0] - reach):
+        for c in range(reach, cells.shape[1] - reach):
+            for k in range(len(offsets)):
+                value = cells[r + offsets[k, 2], c + offsets[k, 1]]
+                if value >= 0:
+                    out[r, c] = value
+                    break
