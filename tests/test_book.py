@@ -1,17 +1,23 @@
 """What goes into the book is complete. That it builds without warnings, `python notebooks/book` says."""
 
+import base64
+import gzip
+import json
 import re
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import scenewidget as sw
+from scenewidget.datasets import analytic
+from scenewidget.engine.operators import eigenbasis
 
 NOTEBOOKS = Path(__file__).parents[1] / "notebooks"
 sys.path.insert(0, str(NOTEBOOKS))
 
-from book import links, reference, slides, staging, views  # noqa: E402
+from book import links, reference, slides, staging, turning, views  # noqa: E402
 
 PAGES = sorted(staging.HERE.glob("*.md"))
 
@@ -62,11 +68,59 @@ def test_a_notebook_in_the_book_has_nothing_that_needs_a_kernel():
         },
         {"cell_type": "code", "source": "", "outputs": [{"data": {"text/plain": ""}}]},
     ]
+    figure = sw.figures.show(analytic.square(2), width=50, height=40, title="nine")
+    still = base64.b64encode(figure.png()).decode()
+    shown = {"data": {"text/plain": repr(figure), "image/png": still}}
+    cells.append({"cell_type": "code", "source": "figure", "outputs": [shown]})
     found = staging.notebook_for_the_book({"cells": cells}, "01_room")["cells"]
     assert "01_room.ipynb" in found[1]["source"]
     assert "_static/views/01_room-0.html" in found[2]["outputs"][0]["data"]["text/html"]
     assert "running notebook" in found[3]["outputs"][0]["data"]["text/html"]
     assert found[4]["outputs"] == []
+    assert found[5]["outputs"][0]["data"].keys() == {"text/html"}
+    assert "_static/views/01_room-figure-0.html" in found[5]["outputs"][0]["data"]["text/html"]
+    assert "aspect-ratio: 50 / 66" in found[5]["outputs"][0]["data"]["text/html"]  # 26 for the title
+
+
+def saved_in(page):
+    """What a page of a figure keeps for its script, with its arrays."""
+    saved = json.loads(re.search(r'id="figure">(.*?)</script>', page)[1])
+    data = gzip.decompress(base64.b64decode(saved["data"]))
+    arrays = [np.frombuffer(data, a["dtype"], a["length"], a["offset"]) for a in saved["arrays"]]
+    return saved, arrays
+
+
+def corners_in(panel, arrays):
+    steps = arrays[panel["vertices"]].reshape(-1, 3)[arrays[panel["corners"]]]
+    return (panel["low"] + panel["step"] * steps.astype(float)).reshape(-1, 3, 3)
+
+
+def test_the_page_of_a_figure_keeps_its_triangles_and_colours():
+    mesh = analytic.sphere(2)
+    halves = [sw.figures.show(mesh, values=mesh.vertices[:, axis], edges=True) for axis in (0, 1)]
+    figure = sw.figures.side_by_side([*halves, sw.figures.show(mesh, np.arange(320) % 7, title="a < b")])
+    saved, arrays = saved_in(page := turning.page(figure))
+    assert "a &lt; b" in page
+    for drawing, panel in zip(figure.drawings, saved["panels"], strict=True):
+        np.testing.assert_allclose(corners_in(panel, arrays), drawing.corners, atol=1e-4)
+        colors = arrays[panel["colors"]].reshape(len(drawing.corners), -1, 3)
+        np.testing.assert_array_equal(np.broadcast_to(colors, drawing.colors.shape), drawing.colors)
+    first, second, third = saved["panels"]
+    assert first["corners"] == second["corners"]  # stored once
+    assert arrays[third["colors"]].size * 3 == figure.drawings[2].colors.size  # one a triangle
+    assert (saved["seconds"], "swing" in page) == (None, False)
+
+
+def test_the_page_of_a_vibration_swings_from_rest():
+    square = analytic.square(3)
+    figure = sw.figures.vibration(square, eigenbasis(square, 4), start=3)
+    saved, arrays = saved_in(turning.page(figure))
+    (panel,) = saved["panels"]
+    np.testing.assert_allclose(corners_in(panel, arrays), figure.at_rest.corners, atol=1e-4)
+    np.testing.assert_allclose(corners_in(panel["swung"], arrays), figure.drawings[0].corners, atol=1e-4)
+    assert saved["seconds"] == pytest.approx(2.4 / np.sqrt(2), rel=0.05)  # cos πx · cos πy
+    at_zero = turning.page(sw.figures.vibration(square, eigenbasis(square, 4), start=0))
+    assert saved_in(at_zero)[0]["seconds"] is None
 
 
 def test_links_between_files_of_the_repository_become_words():

@@ -1,7 +1,7 @@
 """``python notebooks/book [FOLDER]`` builds the book: course, how-to, reference, slides; FOLDER is build/book if not given.
 
-It wants ``pip install ".[docs]"``. Notebooks aren't run: what they printed is stored in them, and compared by
-the tests. Views that turn without a kernel are computed once and kept beside the site.
+It wants ``pip install ".[docs]"``. What notebooks printed is stored in them, and compared by the tests; they are
+run once for what turns without a kernel, which is kept beside the site. A later build runs only what has changed.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from book import links, reference, slides, staging, views
+from book import links, reference, slides, staging, turning, views
 
 __all__ = ["build"]
 
@@ -41,12 +41,14 @@ def build(folder: Path, *, with_views: bool = True) -> list[str]:
         '<a href="book/index.html">The book</a>', encoding="utf-8"
     )  # fmt: skip
     slides.write(notebooks, static / "slides")
+    wrong = []
     if with_views:
         views.write(static / "views", kept=folder / "views")
+        wrong = turning.write(static / "views", kept=folder / "views")
     shutil.copy(staging.HERE / "conf.py", source)
     options = ["-W", "--keep-going", "-q", "-b", "html", "-d", str(folder / "doctrees")]
     code = sphinx([*options, str(source), str(site)])
-    return [*(["Sphinx warned, see above"] if code else []), *views.missing(), *links.faults(site)]
+    return [*(["Sphinx warned, see above"] if code else []), *views.missing(), *wrong, *links.faults(site)]
 
 
 def mathjax_file() -> Path:

@@ -6,18 +6,20 @@ kernel), the pages of ``notebooks/book``, the glossary and the changelog.
 
 from __future__ import annotations
 
+import base64
 import json
 import re
 import shutil
 from pathlib import Path
 from typing import Any
 
-__all__ = ["HERE", "NOTEBOOKS", "notebook_for_the_book", "stage", "widgets_of"]
+__all__ = ["HERE", "NOTEBOOKS", "figures_of", "notebook_for_the_book", "stage", "widgets_of"]
 
 HERE = Path(__file__).parent
 NOTEBOOKS = HERE.parent
 TAKEN = {"glossary.md": "GLOSSARY.md", "changelog.md": "CHANGELOG.md"}  # from .github
 WIDGET = re.compile(r"(SceneWidget|SceneView|Compare|SpectralExplorer)\(")
+FIGURE = re.compile(r"Figure\(")
 CONTROL = re.compile(r"(interactive\(|FloatProgress\()")
 BAR = re.compile(r"^\s*$")  # what a progress bar leaves behind
 
@@ -47,6 +49,14 @@ def notebook_for_the_book(notebook: dict[str, Any], stem: str) -> dict[str, Any]
         view = f'<iframe class="view" src="_static/views/{stem}-{n}.html" loading="lazy" title="{_plain(output)}"></iframe>'
         output.clear()
         output.update(output_type="display_data", metadata={}, data={"text/html": view})
+    for n, output in enumerate(figures_of(notebook)):
+        width, height = _extent(output["data"]["image/png"])
+        view = (
+            f'<iframe class="figure" src="_static/views/{stem}-figure-{n}.html" loading="lazy" title="A figure to turn" '
+            f'style="max-width: {width}px; aspect-ratio: {width} / {height}"></iframe>'
+        )
+        output.clear()
+        output.update(output_type="display_data", metadata={}, data={"text/html": view})
     for cell in cells:
         if cell["cell_type"] != "code":
             continue
@@ -62,13 +72,12 @@ def notebook_for_the_book(notebook: dict[str, Any], stem: str) -> dict[str, Any]
 
 def widgets_of(notebook: dict[str, Any]) -> list[dict[str, Any]]:
     """Outputs of the widgets that turn in 3D, in their order."""
-    return [
-        output
-        for cell in notebook["cells"]
-        if cell["cell_type"] == "code"
-        for output in cell["outputs"]
-        if WIDGET.match(_plain(output))
-    ]
+    return _outputs(notebook, WIDGET)
+
+
+def figures_of(notebook: dict[str, Any]) -> list[dict[str, Any]]:
+    """Outputs of the figures that turn in 3D, in their order."""
+    return _outputs(notebook, FIGURE)
 
 
 def without_empty_globs(text: str) -> str:
@@ -80,6 +89,22 @@ def without_empty_globs(text: str) -> str:
 def without_links_out(text: str) -> str:
     """Links to files of the repository, which are no pages of the book, as mere words."""
     return re.sub(r"\[([^\]]+)\]\((?!https?:)[^)]*\)", r"\1", text)
+
+
+def _outputs(notebook: dict[str, Any], kind: re.Pattern[str]) -> list[dict[str, Any]]:
+    return [
+        output
+        for cell in notebook["cells"]
+        if cell["cell_type"] == "code"
+        for output in cell["outputs"]
+        if kind.match(_plain(output))
+    ]
+
+
+def _extent(still: str | list[str]) -> tuple[int, int]:
+    """Width and height of a stored picture, whose shape the page that turns takes on."""
+    head = base64.b64decode("".join(still)[:64])
+    return int.from_bytes(head[16:20], "big"), int.from_bytes(head[20:24], "big")
 
 
 def _plain(output: dict[str, Any]) -> str:

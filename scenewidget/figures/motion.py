@@ -101,6 +101,13 @@ def vibration(
 class Vibration(Figure):
     """A figure that swings; made by `vibration`.
 
+    Attributes
+    ----------
+    at_rest : Drawing
+        The mesh where it stands still; ``drawings`` shows it at its largest displacement.
+    seconds : float
+        That a swing to and fro takes.
+
     Examples
     --------
     >>> from scenewidget.datasets import analytic
@@ -125,12 +132,23 @@ class Vibration(Figure):
         super().__init__([self._drawing(column, 1.0)], **size)
         self._column = column
 
+    @property
+    def at_rest(self) -> Drawing:
+        """The drawing of no displacement."""
+        return self._drawing(self._column, 0.0)
+
+    @property
+    def seconds(self) -> float:
+        """That the eigenfunction which is shown takes for a swing to and fro; infinite for λ = 0."""
+        pace = float(self._paces[self._column])
+        return PERIOD / pace if pace > 0 else float("inf")
+
     @cached_property
     def widget(self) -> Any:
         """The figure, its play button and its slider."""
         import pythreejs as three
 
-        panel = Panel(self._drawing(self._column, 0.0), self.stage, morph=self.drawings[0])
+        panel = Panel(self.at_rest, self.stage, morph=self.drawings[0])
         times = np.linspace(0.0, PERIOD, N_KEYS)
         track = three.NumberKeyframeTrack(
             name=".morphTargetInfluences[0]",
@@ -150,9 +168,10 @@ class Vibration(Figure):
         return widgets.VBox([panel.widget, widgets.HBox(handles)])
 
     def _choose(self, panel: Panel, action: Any, column: int) -> None:
+        self._column = column
         action.timeScale = float(self._paces[column])
         self.drawings = (self._drawing(column, 1.0),)
-        panel.draw(self._drawing(column, 0.0), morph=self.drawings[0])
+        panel.draw(self.at_rest, morph=self.drawings[0])
 
     def _drawing(self, column: int, share: float) -> Drawing:
         phi = self._phi[:, column]
