@@ -19,6 +19,7 @@ MOST_LOOKED_AT = 20_000  # values that are searched for widgets
 OUTPUTS = ("_", "__", "___")
 
 _of_shell: weakref.WeakKeyDictionary[Any, Lifetimes] = weakref.WeakKeyDictionary()
+_of_marimo: weakref.WeakSet[Any] = weakref.WeakSet()
 
 
 class Closable(Protocol):
@@ -31,13 +32,16 @@ class Closable(Protocol):
 def belongs_to_its_cell(widget: Closable) -> None:
     """Close a widget once the cell that is running now has run again, unless a variable leads to it then.
 
-    Outside a notebook, or where the host doesn't say which cell is running, nothing happens.
+    marimo takes the parts of a widget off the page itself when their cell runs again or goes; what is behind
+    them is closed once another widget is made. Outside a notebook, or where the host doesn't say which cell
+    is running, nothing happens.
 
     Examples
     --------
     >>> import ipywidgets
     >>> belongs_to_its_cell(ipywidgets.HTML("stays"))
     """
+    _close_what_marimo_dropped(widget)
     shell = _shell()
     if shell is None:
         return
@@ -143,6 +147,26 @@ def _shell() -> Any:
     except ImportError:
         return None
     return get_ipython()
+
+
+def _close_what_marimo_dropped(newest: Closable) -> None:
+    """Close widgets whose comms marimo has closed, now that another is made."""
+    for widget in list(_of_marimo):
+        comms = _known_to_marimo(widget)
+        if comms is not None and not any(comms):
+            _of_marimo.discard(widget)
+            widget.close()
+    if _known_to_marimo(newest):
+        _of_marimo.add(newest)
+
+
+def _known_to_marimo(widget: Any) -> list[bool] | None:
+    """Whether marimo still knows the comms of a widget's parts; None elsewhere: Jupyter's have no manager."""
+    comms: list[Any] = [getattr(part, "comm", None) for part in getattr(widget, "children", ())]
+    known: list[Any] = [getattr(getattr(comm, "comm_manager", None), "comms", None) for comm in comms]
+    if not comms or None in known:
+        return None
+    return [comm.comm_id in names for comm, names in zip(comms, known, strict=True)]
 
 
 def _led_to(names: Mapping[str, Any], widgets: Iterable[Any]) -> set[int]:

@@ -188,6 +188,12 @@ class SceneWidget(FaultTolerant, widgets.VBox):
         segments = "" if self.segmentation is None else f", {self.segmentation.n_segments} segments"
         return f"SceneWidget({self.mesh.n_faces} {self.mesh.noun}s{segments})"
 
+    def _display_(self) -> Any:
+        """What marimo shows, which knows no boxes of ipywidgets: the picture over the settings."""
+        import marimo  # type: ignore[import-not-found, unused-ignore]
+
+        return marimo.vstack([marimo.ui.anywidget(part) for part in self.children])
+
     @property
     def session(self) -> Session | None:
         """The corrections; None before the first result."""

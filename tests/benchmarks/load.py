@@ -1,4 +1,5 @@
-"""The widget under load: malformed messages, many hands at once, an undo storm, twenty widgets.
+"""The widget under load: malformed messages, many hands at once, an undo storm, twenty widgets,
+a cell that is run two hundred times.
 
 After each, log, picture and disk must say the same; the figures are printed.
 
@@ -9,7 +10,9 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import gc
 import hashlib
+import io
 import json
 import os
 import queue
@@ -19,6 +22,7 @@ import tempfile
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,7 +30,9 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[1] / "widget"))
 
+import ipywidgets
 import shapes
+from IPython.core.interactiveshell import InteractiveShell
 from jupyter_client.blocking import BlockingKernelClient
 from jupyter_client.manager import KernelManager
 from sent import array
@@ -36,6 +42,7 @@ from scenewidget.editing.edits import EditError
 from scenewidget.editing.project import read_log
 from scenewidget.editing.project_reader import read_project
 from scenewidget.editing.session import Session, apply_edits
+from scenewidget.widget import lifetimes
 
 PARAMS = {"n_segments": 6, "n_runs": 4, "n_graph_runs": 4}
 VALUES: list[Any] = [
@@ -170,6 +177,30 @@ def many_widgets(n: int) -> int:
     memory = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1e3
     said = f"{n} widgets of {mesh.n_faces} faces, {memory:.0f} MB more at most, {threads} threads"
     return report("widgets in one notebook", time.perf_counter() - begin, said, troubles)
+
+
+def rerun_cell(n: int) -> int:
+    """One cell run again and again without waiting for what it computes."""
+    shell = InteractiveShell()
+    shell.user_ns |= {"sw": sw, "mesh": sw.datasets.load_room()[0]}
+    request = {"header": {"msg_id": 0}, "metadata": {"cellId": "a"}}
+    shell.kernel = SimpleNamespace(get_parent=lambda channel: request)
+    lifetimes._shell = lambda: shell
+    begin = time.perf_counter()
+    megabytes, counts = [], []
+    for k in range(n):
+        request["header"] = {"msg_id": k}
+        with contextlib.redirect_stdout(io.StringIO()):
+            shell.run_cell("w = sw.SceneWidget(mesh, autosave=False)\nw", store_history=True)
+        if k + 1 in (n // 2, n):
+            shell.user_ns["w"].wait(None)
+            gc.collect()
+            pages = int(Path("/proc/self/statm").read_text().split()[1])  # Linux
+            megabytes.append(pages * resource.getpagesize() / 1e6)
+            counts.append((threading.active_count(), len(ipywidgets.widgets.widget._instances)))
+    troubles = [f"{counts[0]} threads and widgets became {counts[1]}"] if counts[1] > counts[0] else []
+    said = f"{n} runs, {megabytes[0]:.0f} MB after half of them, {megabytes[1]:.0f} MB at the end"
+    return report("a cell run again", time.perf_counter() - begin, said, troubles)
 
 
 # --- a real kernel --------------------------------------------------------------------------------
@@ -342,6 +373,7 @@ def main() -> None:
     parser.add_argument("--edits", type=int, default=2_000)
     parser.add_argument("--faces", type=int, default=200_000, help="of the undo storm")
     parser.add_argument("--widgets", type=int, default=20)
+    parser.add_argument("--reruns", type=int, default=200, help="of one cell")
     arguments = parser.parse_args()
     n_wrong = 0
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
@@ -351,6 +383,8 @@ def main() -> None:
             n_wrong += undo_storm(arguments.edits, arguments.faces)
         if arguments.widgets:
             n_wrong += many_widgets(arguments.widgets)
+        if arguments.reruns:
+            n_wrong += rerun_cell(arguments.reruns)
         if arguments.seconds:
             n_wrong += many_hands(arguments.seconds)
     sys.exit(n_wrong > 0)

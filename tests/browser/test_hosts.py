@@ -176,48 +176,34 @@ app = marimo.App()
 
 @app.cell
 def _():
-    import marimo as mo
 {room}
-    shown = mo.ui.anywidget(view)
-    shown
-    return (shown,)
-
-@app.cell
-def _(shown):
-    f"outlines {{shown.value['outlines']}}"
-    return
+    w
+    return (w,)
 
 if __name__ == "__main__":
     app.run()
 """
 
 
-def test_marimo_shows_points_and_tells_python(tmp_path, profile):
+def test_marimo_edits(tmp_path, profile):
     pytest.importorskip("marimo", reason="marimo isn't installed; it is no part of the test extra")
     script = tmp_path / "room.py"
-    script.write_text(MARIMO.format(room=textwrap.indent(LABELED, "    ")))
-    command = [
-        sys.executable,
-        "-m",
-        "marimo",
-        "run",
-        str(script),
-        "--headless",
-        "--no-token",
-        "--port={port}",
-    ]
-    with serve(command, tmp_path, "/health", env={"HOME": str(tmp_path)}) as url:
+    script.write_text(MARIMO.format(room=textwrap.indent(WIDGET, "    ")))
+    command = [sys.executable, "-m", "marimo", "run", str(script), "--headless", "--no-token"]
+    with serve([*command, "--port={port}"], tmp_path, "/health", env={"HOME": str(tmp_path)}) as url:
         page = profile.new_page()
         page.emulate_media(color_scheme="dark")  # which marimo, light unless told otherwise, passes over
         page.goto(url)
-        view = Shown(page).view()
-        view.wait("theme", "light")
-        assert colors(view.pixels()) >= 3
-        part, place = next((part, place) for part, place in view.parts().items() if part)
-        view.point(*place)
-        view.wait("hovered", part)
-        view.root.get_by_role("button", name="Outlines").click()
-        page.get_by_text("outlines False").wait_for()
+        editor = Editor(Shown(page))
+        editor.view.wait("theme", "light")
+        assert colors(editor.view.pixels()) >= 3
+        go_through_edits(editor)
+        settings = page.get_by_role("group", name="Settings", exact=True)
+        settings.get_by_role("spinbutton", name="Segments S").fill("3")
+        page.keyboard.press("Enter")
+        page.wait_for_function(
+            "([root, n]) => root.dataset.segments !== n", arg=[editor.root.element_handle(), str(editor.n)]
+        )
         page.close()
 
 

@@ -1,9 +1,11 @@
 """Cells that run again, without a browser: a real IPython shell, asked by a kernel that is made up."""
 
 import gc
+import sys
 import threading
 import weakref
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import ipywidgets
 import pytest
@@ -87,3 +89,23 @@ def test_comparisons_go_with_their_cell_too(run):
     assert n_widgets() == n
     run("c.close()")
     assert n_widgets() < n - 8
+
+
+def test_marimo_gets_the_parts_and_what_it_drops_is_closed(monkeypatch):
+    class Comms(dict):  # as marimo's manager knows them; it sets `comm` on every widget that is made
+        def give(self, widget):
+            self[id(widget)] = comm = Mock(comm_id=id(widget), comm_manager=SimpleNamespace(comms=self))
+            widget.comm = comm
+
+    comms = Comms()
+    ui = SimpleNamespace(anywidget=lambda part: ("a part", part))
+    monkeypatch.setitem(sys.modules, "marimo", SimpleNamespace(ui=ui, vstack=list))
+    monkeypatch.setattr(ipywidgets.Widget, "_widget_construction_callback", comms.give)
+    first = sw.SceneWidget(analytic.square(2), autosave=False)
+    assert first._display_() == [("a part", first.view), ("a part", first.controls)]
+    second = sw.SceneWidget(analytic.square(2), autosave=False)
+    assert first.view.comm is not None
+    comms.clear()  # their cells ran again
+    third = sw.SceneWidget(analytic.square(2), autosave=False)
+    assert (first.view.comm, second.view.comm, third.view.comm is None) == (None, None, False)
+    third.close()
