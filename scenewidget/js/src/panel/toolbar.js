@@ -167,11 +167,11 @@ export function colorings(state) {
     ["confidence", "Confidence", state.hasConfidence],
     ["borders", "Doubtful borders", Boolean(state.offersBorders)],
     ["errors", "Errors", Boolean(state.errorsTitle)],
-    ...(state.columns ?? []).map((name) => [COLUMN + name, capitalized(name), state.hasPartition]),
     ["values", state.valuesTitle || "Values", state.hasValues && !state.column],
     ["normals", "Normals", true],
     ["scan", "Scan", state.hasScan],
     ["shaded", "Plain", true],
+    ...(state.columns ?? []).map((name) => [COLUMN + name, capitalized(name), state.hasPartition]),
   ]);
   return all
     .filter(([, , isOffered]) => isOffered)
@@ -207,7 +207,11 @@ function offerChoices(select, value, offered) {
   const signature = JSON.stringify(offered);
   if (select.dataset.choices !== signature) {
     select.dataset.choices = signature;
-    select.replaceChildren(...offered.map(([name, text]) => element("option", { value: name }, [text])));
+    const options = offered.map(([name, text]) => element("option", { value: name }, [text]));
+    const ofTable = options.filter((option) => option.value.startsWith(COLUMN));
+    const others = options.filter((option) => !ofTable.includes(option));
+    const group = element("optgroup", { label: "Segments by" }, ofTable);
+    select.replaceChildren(...others, ...(ofTable.length > 0 ? [group] : []));
   }
   select.value = value;
 }
