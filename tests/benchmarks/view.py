@@ -1,8 +1,9 @@
 """What a view costs in a real JupyterLab and a real Chromium without a graphics card.
 
 Prints, for scans of several sizes: from running the cell to the first frame, the handler of a pointer
-movement (also while a cell keeps the kernel busy), the picture of another part that blinks, the picture of a
-camera that moves, and the time from other segments in Python to their picture.
+movement (also while a cell keeps the kernel busy), the picture of another part that blinks, of a camera that
+moves and of a stroke of the brush that goes on, the time from other segments in Python to their picture, and
+the memory of the page and of the process that draws it.
 
 python tests/benchmarks/view.py
 python tests/benchmarks/view.py --faces 10000 100000
@@ -14,10 +15,11 @@ import argparse
 import sys
 import tempfile
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
+import psutil
 from scans import in_size, read_scan
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "browser"))
@@ -36,7 +38,7 @@ segments = cells @ np.array([25, 5, 1], np.int32)
 halves = 2 * segments + (mesh.face_normals[:, 2] > 0.5)
 """
 SHOW = """
-view = SceneView(mesh, height=560)
+view = SceneView(mesh, height=560, editable=True, mode="edit")
 view.set_segments(segments, levels={"halves": halves, "final": segments})
 view
 """
@@ -67,15 +69,15 @@ HOVER = """([root, n]) => {
     return times;
 }"""
 # A pixel is read back after each frame, so that its time is that of the finished picture.
-FRAMES = """([root, n, isPressed]) => new Promise(resolve => {
+FRAMES = """([root, n, isPressed, isTurning]) => new Promise(resolve => {
     const canvas = root.querySelector("canvas");
     const gl = canvas.getContext("webgl2");
     const box = canvas.getBoundingClientRect();
     const times = [];
     const send = (type, i) => canvas.dispatchEvent(new PointerEvent(type, {
-        clientX: box.left + box.width * (isPressed ? 0.3 + 0.01 * i : 0.2 + 0.6 * ((i * 0.618) % 1)),
+        clientX: box.left + box.width * (isPressed ? 0.35 + 0.01 * i : 0.2 + 0.6 * ((i * 0.618) % 1)),
         clientY: box.top + box.height * (isPressed ? 0.5 : 0.2 + 0.6 * ((i * 0.382) % 1)),
-        ...{ bubbles: true, pointerId: 1, button: 0 },
+        ...{ bubbles: true, pointerId: 1, button: 0, shiftKey: isTurning },
     }));
     canvas.setPointerCapture = () => {};
     if (isPressed) send("pointerdown", 0);
@@ -128,6 +130,17 @@ def milliseconds(times: list[float]) -> str:
     return "{:7.2f} {:7.2f}".format(*np.quantile(times, [0.5, 0.95]))
 
 
+def memory() -> str:
+    """Megabytes of the largest page and of the process that draws for all pages."""
+    found = dict.fromkeys(("renderer", "gpu-process"), 0.0)
+    for process in psutil.Process().children(recursive=True):
+        with suppress(psutil.Error):
+            for kind in found:
+                if f"--type={kind}" in process.cmdline():
+                    found[kind] = max(found[kind], process.memory_info().rss / 1e6)
+    return "{:7.0f} {:7.0f}".format(*found.values())
+
+
 def measure(server, context, path: Path) -> dict[str, str]:
     """One row of the table."""
     book = conftest.Notebook(context.new_page(), server)
@@ -146,9 +159,17 @@ def measure(server, context, path: Path) -> dict[str, str]:
     book.page.evaluate(HOVER, [root, 50])
     times = book.page.evaluate(HOVER, [root, 400])
     row["hover (ms)"] = f"{milliseconds(times)}, mean {np.mean(times):.3f}"
-    row["another part blinks (ms)"] = milliseconds(book.page.evaluate(FRAMES, [root, 30, False]))
-    row["camera moves (ms)"] = milliseconds(book.page.evaluate(FRAMES, [root, 30, True]))
+    blinks, turns, strokes = [30, False, False], [30, True, True], [30, True, False]
+    row["another part blinks (ms)"] = milliseconds(book.page.evaluate(FRAMES, [root, *blinks]))
+    row["camera moves (ms)"] = milliseconds(book.page.evaluate(FRAMES, [root, *turns]))
     view.settle()
+    view.root.focus()
+    book.page.keyboard.press("m")
+    view.wait("tool", "paint")
+    book.page.evaluate(FRAMES, [root, *strokes])  # what a scan's first stroke makes ready
+    book.page.keyboard.press("Control+z")
+    row["the brush goes on (ms)"] = milliseconds(book.page.evaluate(FRAMES, [root, *strokes]))
+    row["memory (MB), page and drawing"] = memory()
     n_segments, times = int(view.state("segments")), []
     for _ in range(10):
         began = time.perf_counter()
