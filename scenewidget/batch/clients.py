@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import importlib.util
+import math
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-__all__ = ["check_where", "connected", "new_client"]
+__all__ = ["check_where", "connected", "new_client", "patience_with"]
 
 ANSWER = 10.0  # seconds for a scheduler to say that it is there, or to hear that a worker is not
 
@@ -98,13 +101,63 @@ def _client(given: Any, stack: contextlib.ExitStack) -> Any:
             raise ConnectionError(f"client is {given.status}; give one that is open, or an address")
         return given
     address = getattr(given, "scheduler_address", given)
+    to = address if getattr(given, "asynchronous", False) else given
     try:
-        return stack.enter_context(new_client(address, timeout=ANSWER))
-    except (OSError, ValueError, TimeoutError) as error:
+        _ask(address)
+        return stack.enter_context(new_client(to, timeout=ANSWER))
+    except Exception as error:  # strangers at that port make for errors of any kind
+        why = f"{type(error).__name__}: {str(error) or f'nothing in {ANSWER:.0f} s'}"
         raise ConnectionError(
-            f"no Dask scheduler answers at {address!r} ({type(error).__name__}: {error}); check the address, "
+            f"no Dask scheduler answers at {address!r} ({why}); check the address, "
             "or leave it out for workers on this machine"
         ) from error
+
+
+def _ask(address: str) -> None:
+    """Raise if no scheduler answers; a client of Dask would wait for ever for who listens and is silent."""
+    if address.startswith("inproc"):  # of this very process
+        return
+    from distributed.comm.core import connect
+    from distributed.security import Security
+
+    make: Any = Security  # no types
+    security = make()
+
+    async def ask() -> None:
+        reach: Any = connect
+        comm = await reach(address, timeout=ANSWER, **security.get_connection_args("client"))
+        try:
+            await comm.write({"op": "identity", "reply": True, "n_workers": 0})
+            await comm.read()
+        finally:
+            comm.abort()
+
+    with ThreadPoolExecutor(1) as apart:  # from a loop that runs here, as in a notebook
+        apart.submit(asyncio.run, asyncio.wait_for(ask(), ANSWER)).result()
+
+
+def patience_with(cluster: Any) -> float:
+    """Seconds for which it makes sense to wait for a first worker.
+
+    Parameters
+    ----------
+    cluster : cluster or None
+        None: nobody knows who brings workers to that scheduler.
+
+    Returns
+    -------
+    seconds : float
+        inf for a cluster that adapts or has asked for workers, since a queue takes as long as it takes.
+
+    Examples
+    --------
+    >>> patience_with(None)
+    30.0
+    """
+    if cluster is None:
+        return 30.0
+    asked = getattr(cluster, "worker_spec", True)  # kinds of clusters without it keep that elsewhere
+    return math.inf if asked or getattr(cluster, "_adaptive", None) is not None else 5.0
 
 
 def new_client(to: Any, **options: Any) -> Any:

@@ -89,7 +89,7 @@ def run_job(
         need = spoken_size(what_it_takes(row["faces"] or 0, is_judged=job.truth != ""))
         row |= {"status": "too large", "error": f"ran out of memory; needs {need} or more"}
     except Exception as error:  # whatever one scan does, the others go on
-        text = str(error) or "no reason given"
+        text = _spoken(error)
         known = isinstance(error, (OSError, ValueError, TypeError))
         row |= {"status": "failed", "error": text if known else f"{type(error).__name__}: {text}"}
     row["peak_memory"] = peak() if row["peak_memory"] is None else row["peak_memory"]
@@ -97,6 +97,12 @@ def run_job(
         row["seconds"] = round(time.perf_counter() - start, 3)
         note_failure(job, row)
     return row
+
+
+def _spoken(error: Exception) -> str:
+    if isinstance(error, OSError) and error.strerror:  # without the number
+        return error.strerror if error.filename is None else f"{error.strerror}: {error.filename!r}"
+    return str(error) or "no reason given"
 
 
 def note_failure(job: Job, row: dict[str, Any]) -> None:
@@ -169,6 +175,8 @@ def _row(
     folder = folder_at(job.folder)
     sweep_up(job)
     with local_copy(job.source) as path:
+        if path.exists() and not path.is_file():  # a pipe or a device would be read for ever
+            raise OSError(f"{path.name!r} is a {'folder' if path.is_dir() else 'pipe or device'}, no file")
         key, truth_key = _key(path, job), _digest(Path(job.truth)) if job.truth else ""
         text = folder.read(ROW)
         old = None if text is None else parse_row(text)
@@ -205,7 +213,7 @@ def _row(
         "version": job.version,
         "warnings": said,
     }
-    folder.write(ROW, json.dumps(note, indent=1, ensure_ascii=False))
+    folder.write(ROW, json.dumps(note, indent=1))
     return row
 
 
@@ -272,7 +280,7 @@ def _judged_again(
             return None
         mesh = load(path, units=job.units)
         old |= _errors(read_labels(folder.path / names[0], mesh), Path(job.truth)) | {"truth": truth_key}
-        folder.write(ROW, json.dumps(old, indent=1, ensure_ascii=False))
+        folder.write(ROW, json.dumps(old, indent=1))
     return known | {name: old.get(name) for name in (*METRICS, "n_truth")}
 
 

@@ -161,7 +161,20 @@ def _local(paths: Sequence[Path]) -> dict[str, Scan]:
         return {}
     absolute = sorted(found)
     root = paths[0].absolute() if len(paths) == 1 and paths[0].is_dir() else _common_folder(absolute)
-    return {p.relative_to(root).as_posix(): Scan(str(p), p.stat().st_size) for p in absolute}
+    return {_readable(p.relative_to(root)): Scan(str(p), _size(p)) for p in absolute}
+
+
+def _readable(path: Path) -> str:
+    """A path with escapes for bytes that aren't UTF-8, which tables and logs couldn't hold."""
+    return os.fsencode(path.as_posix()).decode("utf-8", "backslashreplace")
+
+
+def _size(path: Path) -> int:
+    """Bytes of a file; 0 where that can't be told, as of a link to nowhere, which its row will say."""
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
 
 
 def _files_below(folder: Path) -> Iterator[Path]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib.util
+import math
 import os
 import queue
 import shutil
@@ -18,11 +19,12 @@ import sys
 import tempfile
 import time
 import uuid
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
 
-from scenewidget.batch.clients import ANSWER, check_where, connected, new_client
+from scenewidget.batch.clients import ANSWER, check_where, connected, new_client, patience_with
 from scenewidget.batch.job import run_job, sweep_up
 from scenewidget.batch.plan import Job
 from scenewidget.engine.threads import KNOB, n_threads
@@ -37,6 +39,7 @@ SHARE = 0.9  # of the memory is for workers
 RESTARTS = 20  # of the command that keeps our workers, before we give up
 TOPIC = "scenewidget"
 DASHBOARD = 8787
+NOTICE = 3.0  # seconds without a worker of somebody else's cluster until we say so
 
 
 class Pool(Protocol):
@@ -172,15 +175,20 @@ class DaskPool:
         self._running: dict[str, tuple[Job, Any]] = {}
         self._ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._asked = (-1e9, 1)
+        self._idle_since: float | None = None  # when somebody else's workers were first missed
+        self._has_warned = False
 
     @property
     def window(self) -> int:
         """Twice the threads that there are now; at least 1, or a cluster that grows on demand never would."""
+        return max(1, 2 * self._n_threads())
+
+    def _n_threads(self) -> int:
         when, n = self._asked
         if time.monotonic() > when + 1:
             n = sum(self._client.nthreads().values())
             self._asked = (time.monotonic(), n)
-        return max(1, 2 * n)
+        return n
 
     def submit(self, job: Job) -> None:
         """Hand a job to the scheduler."""
@@ -191,7 +199,7 @@ class DaskPool:
         future.add_done_callback(self._ended.put)
 
     def collect(self, seconds: float) -> list[tuple[Job, Row | None]]:
-        """What has ended; raises ConnectionError if the scheduler is gone."""
+        """What has ended; raises ConnectionError if the scheduler is gone, or if nobody works there."""
         found = []
         with contextlib.suppress(queue.Empty):
             found.append(self._ended.get(timeout=seconds))
@@ -202,8 +210,30 @@ class DaskPool:
                 raise ConnectionError(_gone(self._client))
             if self._workers is not None:
                 self._workers.keep()
+            else:
+                self._check_for_workers()
         outcomes = [self._outcome(future) for future in found if future.key in self._running]
         return [outcome for outcome in outcomes if outcome is not None]
+
+    def _check_for_workers(self) -> None:
+        """Warn if somebody else's cluster has had no worker for a moment; raise if none is to be expected."""
+        if self._n_threads() > 0:
+            self._idle_since = None
+            return
+        self._idle_since = self._idle_since or time.monotonic()
+        missed, patience = time.monotonic() - self._idle_since, patience_with(self._client.cluster)
+        address = self._client.scheduler.address
+        if missed > patience:
+            raise ConnectionError(
+                f"the scheduler at {address} has had no workers for {patience:.0f} s; start some, as by "
+                f"'dask worker {address}' or cluster.scale(2), and run again: it goes on from there"
+            )
+        if missed > NOTICE and not self._has_warned:
+            self._has_warned = True
+            until = (
+                f"{patience:.0f} s for one" if math.isfinite(patience) else "until its cluster brings some"
+            )
+            warnings.warn(f"the scheduler at {address} has no workers; waiting {until}", stacklevel=2)
 
     def _outcome(self, future: Any) -> tuple[Job, Row | None] | None:
         """The job and its row; None if the row was lost on the way, and the job is being done again."""

@@ -8,7 +8,9 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import warnings
 from collections.abc import Sequence
+from typing import Any
 
 __all__ = ["main"]
 
@@ -35,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     from scenewidget import __version__
     from scenewidget.command_line import agree, convert, evaluate, segment, tables
-    from scenewidget.command_line.shared import as_flags
+    from scenewidget.command_line.shared import as_flags, say
 
     parser = argparse.ArgumentParser(
         prog="scenewidget",
@@ -51,8 +53,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.print_help(sys.stderr)
         return 2
     options = parser.parse_args(words)
+
+    def warn(message: Warning | str, *_: Any, **__: Any) -> None:
+        say(f"scenewidget {options.command}: {as_flags(str(message))}", sys.stderr)
+
     try:
-        code = int(options.run(options))
+        with warnings.catch_warnings():
+            warnings.showwarning = warn  # what is doubted, without a line of source
+            code = int(options.run(options))
         sys.stdout.flush()
         return code
     except BrokenPipeError:  # as with "| head"; Python would complain once more at the end
@@ -60,8 +68,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 141
     except (OSError, TypeError, ValueError) as error:  # bad input: what the package says, no traceback
         said = isinstance(error, OSError) and error.filename is None and error.strerror
-        print(f"scenewidget {options.command}: {as_flags(said or str(error))}", file=sys.stderr)
+        say(f"scenewidget {options.command}: {as_flags(said or str(error))}", sys.stderr)
         return 1
     except KeyboardInterrupt:
-        print(f"scenewidget {options.command}: stopped", file=sys.stderr)
+        say(f"scenewidget {options.command}: stopped", sys.stderr)
         return 130

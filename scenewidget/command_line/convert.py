@@ -17,12 +17,12 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
 import scenewidget as sw
 from scenewidget.batch.folders import read_labels
+from scenewidget.command_line.shared import say
 
 __all__ = ["add_parser", "run"]
 
@@ -67,9 +67,9 @@ def run(options: argparse.Namespace) -> int:
             )
         written = _written(sw.load(options.source, units=options.units), options)
     if options.json:
-        print(json.dumps([str(path) for path in written]))
+        say(json.dumps([str(path) for path in written]))
     elif not options.quiet:
-        print("\n".join(map(str, written)), file=sys.stdout)
+        say("\n".join(map(str, written)))
     return 0
 
 

@@ -34,7 +34,7 @@ from scenewidget.batch.places import is_url
 from scenewidget.batch.plan import FORMATS
 from scenewidget.batch.progress import spoken_row, spoken_time
 from scenewidget.batch.runs import UNITS, Run, planned
-from scenewidget.command_line.shared import add_output, show, tell
+from scenewidget.command_line.shared import add_output, say, show, tell
 
 __all__ = ["add_parser", "run"]
 
@@ -119,7 +119,7 @@ def run(options: argparse.Namespace) -> int:
         if not found.rows:
             raise
         show(_rows(found), options)
-        print(f"scenewidget segment: {error}", file=sys.stderr)
+        say(f"scenewidget segment: {error}", sys.stderr)
         return 1
     show(_rows(found), options)
     tell(options, f"\n{found.summary}; in {options.out}{'' if is_url(options.out) else NEXT}")

@@ -8,11 +8,11 @@ import math
 import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, TextIO
 
 from scenewidget.batch.rows import spoken_size
 
-__all__ = ["add_output", "as_flags", "show", "tell"]
+__all__ = ["add_output", "as_flags", "say", "show", "tell"]
 
 FLAGS = re.compile(r"""\b(overwrite|tile_faces|units|scans|truth)=(?:True\b|["']([^"']*)["'])?""")
 
@@ -39,17 +39,30 @@ def as_flags(text: str) -> str:
     return FLAGS.sub(lambda m: f"--{m[1].replace('_', '-')}" + (f" {m[2]}" if m[2] else ""), text)
 
 
+def say(text: str, file: TextIO | None = None) -> None:
+    r"""Print a text, with escapes for what the terminal's encoding hasn't, such as bytes in a file's name.
+
+    Examples
+    --------
+    >>> say("kitchen\udcff.ply")
+    kitchen\udcff.ply
+    """
+    file = file or sys.stdout
+    encoding = file.encoding or "utf-8"
+    print(text.encode(encoding, "backslashreplace").decode(encoding), file=file, flush=True)
+
+
 def tell(options: argparse.Namespace, line: str) -> None:
     """Progress, on stderr unless ``--quiet``."""
     if not options.quiet:
-        print(as_flags(line), file=sys.stderr, flush=True)
+        say(as_flags(line), sys.stderr)
 
 
 def show(rows: Sequence[Mapping[str, Any]], options: argparse.Namespace, *, mean: bool = False) -> None:
     """Print rows as a table and then what went wrong, or all as JSON with null for what isn't known."""
     if options.json:
         plain = [{key: _plain(value) for key, value in row.items()} for row in rows]
-        print(json.dumps(plain, indent=1, ensure_ascii=False, allow_nan=False))
+        say(json.dumps(plain, indent=1, ensure_ascii=False, allow_nan=False))
         return
     import pandas as pd
 
@@ -66,10 +79,10 @@ def show(rows: Sequence[Mapping[str, Any]], options: argparse.Namespace, *, mean
             shown[column] = [spoken(value) if value != "" else "" for value in shown[column]]
     width = max(map(len, shown["scan"]))
     left: Any = {"scan": f"{{:<{width}}}".format}
-    print(shown.to_string(index=False, float_format="{:.4f}".format, formatters=left))
+    say(shown.to_string(index=False, float_format="{:.4f}".format, formatters=left))
     wrong = [f"{row['scan']}: {as_flags(row['error'])}" for row in rows if row.get("error")]
     if wrong:
-        print("\n" + "\n".join(wrong))
+        say("\n" + "\n".join(wrong))
 
 
 def _plain(value: Any) -> Any:

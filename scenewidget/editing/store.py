@@ -179,7 +179,7 @@ class ProjectFile:
         owner = owner or next(
             (f for f in map(_owner, live_files) if f is not None and is_one_name(f._place, place)), None
         )
-        file = cls(path, Root(0, b"", b""))
+        file, is_new = cls(path, Root(0, b"", b"")), not place.exists()
         if owner is None:
             file._lock = _locked(path, overwrite=overwrite)
         with owner._guard if owner is not None else contextlib.nullcontext():
@@ -197,7 +197,15 @@ class ProjectFile:
                     if owner is not None:
                         owner._disconnect()
                     _settle(place)
-                file._connect(check=False)
+                try:
+                    file._connect(check=False)
+                except ProjectError as error:
+                    if not isinstance(error.__cause__, sqlite3.Error):
+                        raise
+                    _remove_log(place)  # what we have just written is sound: it is the disk
+                    if is_new:
+                        place.unlink(missing_ok=True)
+                    raise _as_os_error(error.__cause__, path) from error
             except BaseException:
                 file.close()
                 if owner is not None and owner._connection is None:
@@ -553,8 +561,10 @@ def _as_os_error(error: sqlite3.Error, path: Path) -> OSError:
         sqlite3.SQLITE_READONLY: errno.EROFS,
         sqlite3.SQLITE_CANTOPEN: errno.EACCES,
     }
-    code = getattr(error, "sqlite_errorcode", 0) & 0xFF
-    return explain(OSError(codes.get(code, errno.EIO), str(error)), path)
+    code = getattr(error, "sqlite_errorcode", 0)
+    if code == sqlite3.SQLITE_IOERR_SHMSIZE:  # no room for the index of the log
+        code = sqlite3.SQLITE_FULL
+    return explain(OSError(codes.get(code & 0xFF, errno.EIO), str(error)), path)
 
 
 @atexit.register

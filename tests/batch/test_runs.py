@@ -1,6 +1,9 @@
 """A whole dataset by one call, in this process: what is refused, what stands in the table, what stays."""
 
 import json
+import math
+import os
+import socket
 import threading
 
 import numpy as np
@@ -130,6 +133,24 @@ def test_a_scheduler_that_does_not_answer(scans, tmp_path, monkeypatch):
         sw.segment_all(scans, tmp_path / "out", client="tcp://127.0.0.1:9", progress=False)
     with pytest.raises(TypeError, match="client must be a dask"):
         sw.segment_all(scans, tmp_path / "out", client=3, progress=False)
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # something listens there, and says nothing
+        address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        with pytest.raises(ConnectionError, match=r"no Dask scheduler answers .* nothing in 0 s"):
+            sw.segment_all(scans, tmp_path / "out", client=address, progress=False)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs pipes, links and names of any bytes")
+def test_files_that_are_none_have_a_row(scans, tmp_path):
+    os.mkfifo(scans / "pipe.ply")
+    (scans / "nowhere.ply").symlink_to("gone.ply")
+    (scans / "zero.ply").symlink_to("/dev/zero")
+    (scans / os.fsdecode(b"k\xfcche.ply")).write_bytes((scans / "bath" / "a.ply").read_bytes())
+    rows = run(scans, tmp_path / "out").to_frame().set_index("scan")
+    assert "pipe or device" in rows.error["pipe.ply"]
+    assert "pipe or device" in rows.error["zero.ply"]
+    assert rows.error["nowhere.ply"].startswith("No such file")
+    assert rows.status[r"k\xfcche.ply"] == "done"
+    assert run(scans, tmp_path / "out").rows[r"k\xfcche.ply"]["status"] == "reused"
 
 
 def test_without_dask_it_says_how_to_get_it(scans, tmp_path, monkeypatch):
@@ -164,7 +185,7 @@ def test_two_scans_do_not_share_a_folder_where_case_makes_no_difference(scans, t
     assert not (tmp_path / "out").exists()
 
 
-def test_a_client_of_somebody_elses_and_its_address(scans, tmp_path):
+def test_a_client_of_somebody_elses_and_its_address(scans, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed")
     options = {"n_workers": 1, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
     with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
@@ -180,6 +201,18 @@ def test_a_client_of_somebody_elses_and_its_address(scans, tmp_path):
         )
         assert again.rows["a.ply"]["status"] == "reused"
         assert client.status == "running"  # it isn't ours to close
+        assert (clients.patience_with(None), clients.patience_with(cluster)) == (30, math.inf)
+        cluster.scale(0)
+        assert clients.patience_with(cluster) == 5
+        monkeypatch.setattr(pools, "NOTICE", 0.1)
+        monkeypatch.setattr(pools, "patience_with", lambda cluster: 1.0)
+        with (
+            pytest.warns(UserWarning, match=r"the scheduler at tcp://.* has no workers; waiting 1 s for one"),
+            pytest.raises(
+                ConnectionError, match=r"has had no workers for 1 s; start some, as by 'dask worker"
+            ),
+        ):
+            sw.segment_all(scans, tmp_path / "none", FAST, client=client, progress=False)
     with pytest.raises(ConnectionError, match="client is closed; give one that is open"):
         sw.segment_all(scans, tmp_path / "out", FAST, client=client, progress=False)
 

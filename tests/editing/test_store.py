@@ -350,6 +350,26 @@ def test_a_full_disk_is_told_and_nothing_is_lost(tmp_path):
     assert not any(name.endswith(".tmp") for name in names)
 
 
+@pytest.mark.skipif(os.name != "posix", reason="needs limits of resources")
+def test_a_new_file_for_whose_log_there_is_no_room_does_not_stay(tmp_path):
+    import resource
+
+    mesh = shapes.box(4)
+    session, limits = (
+        Session(mesh, Segmentation.from_labels(mesh, np.arange(192))),
+        resource.getrlimit(resource.RLIMIT_FSIZE),
+    )
+    resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, limits[1]))  # the index of the log takes 32 kB
+    try:
+        with pytest.raises(OSError, match=r"can't write '.*a\.swproj': the disk is full"):
+            session.save(tmp_path / "a.swproj")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert list(tmp_path.iterdir()) == []
+    session.save(tmp_path / "a.swproj", overwrite=False)
+    session.close()
+
+
 # --- damage ---------------------------------------------------------------------------------------
 
 
