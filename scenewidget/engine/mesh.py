@@ -236,13 +236,22 @@ class Mesh:
     @cached_property
     def face_vectors(self) -> FloatArray:
         """(n_faces, 3) cross product of two edges: normal direction, length twice the area."""
-        a, b, c = (self.vertices[self.faces[:, i]] for i in range(3))
-        return _read_only(np.cross(b - a, c - a))
+        a, b, c = (np.ascontiguousarray(corner) for corner in self.faces.T)
+        sides = []  # one coordinate after the other, which caches like
+        for place in map(np.ascontiguousarray, self.vertices.T):
+            start = place[a]
+            sides.append((place[b] - start, place[c] - start))
+        out = np.empty((self.n_faces, 3))
+        for i in range(3):
+            (u, v), (x, y) = sides[i - 2], sides[i - 1]
+            np.subtract(u * y, x * v, out=out[:, i])
+        return _read_only(out)
 
     @cached_property
     def face_areas(self) -> FloatArray:
         """(n_faces,) square metres; 0 for degenerate faces."""
-        return _read_only(0.5 * np.linalg.norm(self.face_vectors, axis=1))
+        x, y, z = np.square(self.face_vectors).T
+        return _read_only(0.5 * np.sqrt(x + y + z))
 
     @cached_property
     def face_normals(self) -> FloatArray:
@@ -255,7 +264,11 @@ class Mesh:
     @cached_property
     def face_centroids(self) -> FloatArray:
         """(n_faces, 3) mean of the three corners, metres."""
-        return _read_only(self.vertices[self.faces].mean(axis=1))
+        a, b, c = self.faces.T
+        sums = self.vertices[a]
+        sums += self.vertices[b]
+        sums += self.vertices[c]
+        return _read_only(sums / 3)
 
 
 def _read_only(array: npt.NDArray[Number]) -> npt.NDArray[Number]:
@@ -317,20 +330,20 @@ def face_adjacency(mesh: Mesh) -> IntArray:
 
 
 def _shared_edges(mesh: Mesh) -> IntArray:
-    corners = weld(mesh)[mesh.faces]
-    n = mesh.n_faces
-    start, end = corners, np.roll(corners, -1, axis=1)
-    low, high = (
-        np.minimum(start, end).ravel().astype(np.int64),
-        np.maximum(start, end).ravel().astype(np.int64),
-    )
-    key = low * mesh.n_vertices + high
-    face = np.repeat(np.arange(n, dtype=np.int32), 3)
-    keep = low != high
-    if not keep.all():
-        key, face = key[keep], face[keep]
-    order = np.argsort(key)
-    key, face = key[order], face[order]
+    n, bits = mesh.n_faces, mesh.n_vertices.bit_length()
+    corners = [np.ascontiguousarray(corner, dtype=np.int64) for corner in weld(mesh)[mesh.faces].T]
+    keys, faces = [], []
+    for start, end in zip(corners, corners[1:] + corners[:1]):
+        keep = start != end
+        keys.append((np.minimum(start, end) << bits | np.maximum(start, end))[keep])
+        faces.append(np.flatnonzero(keep))
+    key, face = np.concatenate(keys), np.concatenate(faces)
+    if 2 * bits + n.bit_length() < 64:  # sorting both in one number takes a third of the time
+        both = np.sort(key << n.bit_length() | face)
+        key, face = both >> n.bit_length(), (both & ((1 << n.bit_length()) - 1)).astype(np.int32)
+    else:
+        order = np.argsort(key)
+        key, face = key[order], face[order].astype(np.int32)
     run_start = np.concatenate([[True], key[1:] != key[:-1]])
     run_length = np.diff(np.append(np.flatnonzero(run_start), len(key)))
     if run_length.max(initial=0) > MAX_FAN:  # chains follow the order of the faces
@@ -343,10 +356,10 @@ def _shared_edges(mesh: Mesh) -> IntArray:
             same &= np.repeat(run_length <= MAX_FAN, run_length)[gap:]
         found.append(np.stack([face[:-gap][same], face[gap:][same]], axis=1))
     pairs = np.concatenate(found) if found else np.empty((0, 2), np.int32)
-    pairs = np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1)
-    code = np.sort(pairs[:, 0].astype(np.int64) * n + pairs[:, 1])
+    one, other = pairs[pairs[:, 0] != pairs[:, 1]].T
+    code = np.sort(np.minimum(one, other).astype(np.int64) << 32 | np.maximum(one, other))
     code = code[np.concatenate([[True], code[1:] != code[:-1]])] if len(code) else code
-    return np.stack([code // n, code % n], axis=1).astype(np.int32)
+    return np.stack([code >> 32, code & 0xFFFFFFFF], axis=1).astype(np.int32)
 
 
 def shared_edge_lengths(mesh: Mesh, face_pairs: IntArray) -> FloatArray:

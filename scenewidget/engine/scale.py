@@ -7,7 +7,10 @@ is to its furniture: the method looks at it through the same thresholds, only sm
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, connected_components, unique_codes
@@ -56,14 +59,26 @@ def geometric_order(mesh: Mesh) -> IntArray:
     >>> geometric_order(mesh).tolist()  # the face farther left comes first
     [1, 0]
     """
-    x, y, z = mesh.vertices.T
-    order = np.lexsort((z, y, x))
-    sorted_vertices = mesh.vertices[order]
-    is_new = np.any(sorted_vertices[1:] != sorted_vertices[:-1], axis=1)
-    place = np.empty(mesh.n_vertices, dtype=np.int64)
-    place[order] = np.concatenate([[0], np.cumsum(is_new)])
-    first, second, third = np.sort(place[mesh.faces], axis=1).T  # whichever corner a face begins with
-    return np.lexsort((third, second, first)).astype(np.int32)
+    (x, _), (y, n_y), (z, n_z) = (_ranks(along) for along in mesh.vertices.T)
+    place, n = _ranks(_ranks(x * n_y + y)[0] * n_z + z)
+    a, b, c = place[mesh.faces].T  # whichever corner a face begins with
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    first, second, third = np.minimum(low, c), np.maximum(low, np.minimum(high, c)), np.maximum(high, c)
+    pair = first * n + second
+    code = (pair if n < 2_000_000 else _ranks(pair)[0]) * n + third  # fits in 64 bits
+    order = np.argsort(code)
+    if (code[order][1:] == code[order][:-1]).any():  # faces at one place stay in their order
+        order = np.argsort(code, kind="stable")
+    return order.astype(np.int32)
+
+
+def _ranks(values: npt.NDArray[Any]) -> tuple[IntArray, int]:
+    """(n,) int64 how many distinct values are smaller, and how many there are."""
+    order = np.argsort(values)
+    ordered = values[order]
+    ranks = np.zeros(len(values), dtype=np.int64)
+    ranks[order[1:]] = np.cumsum(ordered[1:] != ordered[:-1])
+    return ranks, int(ranks[order[-1]]) + 1
 
 
 def along_curve(points: FloatArray) -> IntArray:
@@ -128,7 +143,9 @@ def far_apart(mesh: Mesh, pairs: IntArray, gap: float) -> IntArray:
         codes, where = unique_codes((cell[:, 0] * wide + cell[:, 1]) * high + cell[:, 2], deep * wide * high)
         near = cKDTree(_centers(mesh, where, len(codes))).query_pairs(gap, output_type="ndarray")
         # components, then cells, which hold what is nearer than the gap: one graph of both
-        links = np.concatenate([np.stack([component, n + where], axis=1), n + near])
+        links = np.stack([component, n + where], axis=1)
+        is_new = (links[1:] != links[:-1]).any(axis=1)  # most faces follow one of the same cell
+        links = np.concatenate([links[:1], links[1:][is_new], n + near])
         component = connected_components(n + len(codes), links)[1][component]
         n = int(component.max()) + 1
     area = np.bincount(component, mesh.face_areas, n)
