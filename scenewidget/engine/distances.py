@@ -10,6 +10,7 @@ factor, with (min, +) in the place of (+, ×): Planken, de Weerdt and van der Kr
 
 from __future__ import annotations
 
+import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -35,6 +36,7 @@ __all__ = [
 
 MAX_DENSE_ITEMS = 40_000  # (n, n) float32 takes 6.4 GB there
 STRIP = 64  # sources that are solved together: one strip of (n_items, 64) float32 stays in the cache
+LINE = 16  # of them that are written at a time: a line of the cache
 
 
 def edge_costs(
@@ -326,27 +328,33 @@ class MinPlusFactor:
         by = np.argsort(position[sources], kind="stable")  # neighbours in the order share their upward paths
         strips = [by[i : i + STRIP] for i in range(0, len(by), STRIP)]
 
-        def solve(strip: IntArray) -> None:
-            monitor.tick()
-            steps, paths = position[sources[strip]], np.full((n, STRIP), np.inf, np.float32)
-            is_reached = np.zeros(n, np.bool_)
-            is_reached[steps] = True
-            paths[steps, np.arange(len(steps))] = 0.0
-            _solve_strip(
-                int(steps.min()),
-                strip,
-                self.order,
-                self.indptr,
-                self.indices,
-                self.values,
-                paths,
-                is_reached,
-                out,
-            )
+        n_threads = min(n_threads or os.cpu_count() or 1, max(1, len(strips)))
+
+        def solve(first: int) -> None:
+            paths, is_reached = np.empty((n, STRIP), np.float32), np.empty(n, np.bool_)
+            for done in range(first, len(strips), n_threads):
+                monitor.tick(done / len(strips))
+                steps = position[sources[strips[done]]]
+                paths.fill(np.inf)
+                paths[steps, np.arange(len(steps))] = 0.0
+                is_reached.fill(False)
+                is_reached[steps] = True
+                _solve_strip(
+                    int(steps.min()),
+                    strips[done],
+                    position,
+                    self.indptr,
+                    self.indices,
+                    self.values,
+                    paths,
+                    is_reached,
+                    out,
+                )
 
         with ThreadPoolExecutor(n_threads) as pool:
-            for done, _ in enumerate(pool.map(solve, strips), 1):
-                monitor.tick(done / len(strips))
+            for _ in pool.map(solve, range(n_threads)):
+                pass
+        monitor.tick(1.0)
         return out
 
 
@@ -459,10 +467,10 @@ def _numeric(  # type: ignore[no-untyped-def]
 
 @kernel(fastmath={"nnan", "nsz"})
 def _solve_strip(  # type: ignore[no-untyped-def]
-    begin, places, order, indptr, indices, values, paths, is_reached, out
+    begin, places, position, indptr, indices, values, paths, is_reached, out
 ):
     """One sweep up the elimination order from the sources, one sweep down to all nodes."""
-    n = len(order)
+    n = len(position)
     for j in range(begin, n):
         if is_reached[j]:
             here = paths[j]
@@ -473,14 +481,22 @@ def _solve_strip(  # type: ignore[no-untyped-def]
                     there[i] = min(there[i], here[i] + w)
     for j in range(n - 1, -1, -1):
         here = paths[j]
-        for e in range(indptr[j], indptr[j + 1]):
+        e, end = indptr[j], indptr[j + 1]
+        while e + 1 < end:  # by twos, which reads and writes less
+            there, beyond, w, u = paths[indices[e]], paths[indices[e + 1]], values[e], values[e + 1]
+            for i in range(STRIP):
+                here[i] = min(here[i], min(there[i] + w, beyond[i] + u))
+            e += 2
+        if e < end:
             there, w = paths[indices[e]], values[e]
             for i in range(STRIP):
                 here[i] = min(here[i], there[i] + w)
-    for i in range(len(places)):
-        row = out[places[i]]
-        for j in range(n):
-            row[order[j]] = paths[j, i]
+    for first in range(0, n, LINE):  # blocks whose paths stay in the cache
+        last = min(first + LINE, n)
+        for i in range(len(places)):
+            row = out[places[i]]
+            for v in range(first, last):
+                row[v] = paths[position[v], i]
 
 
 @kernel

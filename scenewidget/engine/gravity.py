@@ -143,7 +143,9 @@ def _axes(centers: FloatArray, normals: FloatArray, areas: FloatArray) -> list[A
     some = slice(None, None, 1 + len(areas) // N_VOTING)  # where to start; what is found is refined on all
     lines, weights = normals[some].astype(np.float32), areas[some].astype(np.float32)
     is_along = lines @ directions.T.astype(np.float32)
-    np.greater(np.abs(is_along, out=is_along), CONE, out=is_along)  # in place: a number for each of 10 million
+    np.greater(
+        np.abs(is_along, out=is_along), CONE, out=is_along
+    )  # in place: a number for each of 10 million
     share = weights @ is_along
     found: list[FloatArray] = []
     for start in np.argsort(-share, kind="stable"):
