@@ -11,12 +11,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
+from scenewidget.engine.curve import along_curve
 from scenewidget.engine.kernels import kernel
-from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, MeshError, connected_components
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, MeshError
 from scenewidget.engine.threads import n_threads
 
 __all__ = ["PointCloud"]
@@ -29,7 +28,7 @@ REACH = 3.0  # median distances of the sixth neighbour, from which on points are
 FLAT = 1e-9  # sine of an angle below which three points of a tangent plane lie on a line
 SEAM = 0.44  # of the root of a point's area: length of border for each pair across it
 BACK = -0.3  # cosine of normals below which neighbours are two sides of one thing
-STEP = 100_000  # points whose planes are fitted at once
+STEP = 100_000  # points whose neighbours are asked for at once
 
 
 class PointCloud(Mesh):
@@ -128,17 +127,31 @@ class PointCloud(Mesh):
         return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
     @cached_property
-    def _near(self) -> tuple[IntArray, FloatArray]:
+    def _around(self) -> tuple[IntArray, FloatArray]:
         """Nearest other points, (n_points, up to 16) int32 and float32, nearest first."""
-        k = min(N_PLANE, self.n_faces - 1)
-        if k == 0:
-            return np.empty((1, 0), np.int32), np.empty((1, 0), np.float32)
-        tree = cKDTree(self.points)
+        return self._nearest(N_PLANE)
+
+    @cached_property
+    def _near(self) -> tuple[IntArray, FloatArray]:
+        """The nearest up to 8 of them."""
+        if self.given_normals is not None:  # type: ignore[attr-defined]  # set by _keep; no planes are fitted
+            return self._nearest(N_AREA)
+        index, distance = self._around
+        return index[:, :N_AREA].copy(), distance[:, :N_AREA].copy()
+
+    def _nearest(self, k: int) -> tuple[IntArray, FloatArray]:
+        k = min(k, self.n_faces - 1)
         index = np.empty((self.n_faces, k), np.int32)
         distance = np.empty((self.n_faces, k), np.float32)
+        if k == 0:
+            return index, distance
+        order = along_curve(self.points)  # asked one after the other, neighbours share a path down the tree
+        places = self.points[order]
+        tree = cKDTree(places)
         for start in range(0, self.n_faces, STEP):
-            apart, found = tree.query(self.points[start : start + STEP], k=k + 1, workers=n_threads())
-            index[start : start + STEP], distance[start : start + STEP] = found[:, 1:], apart[:, 1:]
+            some = order[start : start + STEP]
+            apart, found = tree.query(places[start : start + STEP], k=k + 1, workers=n_threads())
+            index[some], distance[some] = order[found[:, 1:]], apart[:, 1:]
         return index, distance
 
     @cached_property
@@ -163,7 +176,7 @@ class PointCloud(Mesh):
         given = self.given_normals  # type: ignore[attr-defined]  # set by _keep
         if given is not None:
             return np.asarray(given, dtype=np.float64)
-        normals = self._planes()
+        normals = self._tangent_planes()
         viewpoint = self.viewpoint  # type: ignore[attr-defined]  # as above
         if viewpoint is not None:
             away = np.einsum("ij,ij->i", normals, self.points - viewpoint) > 0
@@ -243,7 +256,7 @@ class PointCloud(Mesh):
         (Clarenz, Rumpf and Telea 2004; Belkin, Sun and Wang 2009). A triangle comes up to three times, once
         for each corner that has it. Where the surface ends, the fan of a point is open.
         """
-        index, distance = self._near
+        index, distance = self._around
         n, k = index.shape
         found = np.empty((n * max(k, 1), 3), np.int32)
         count = _stars(self.points, self.face_normals, index, distance, REACH * self.spacing, BACK, found)
@@ -251,65 +264,168 @@ class PointCloud(Mesh):
         triangles.flags.writeable = False
         return triangles
 
-    def _planes(self) -> FloatArray:
+    def _tangent_planes(self) -> FloatArray:
         """(n_points, 3) direction in which the neighbours spread least, of either sign."""
-        index = self._near[0]
+        index = self._around[0]
         out = np.zeros((self.n_faces, 3))
         if index.shape[1] < 2:
             return out
-        for start in range(0, self.n_faces, STEP):
-            here = self.points[start : start + STEP]
-            around = np.concatenate([here[:, None], self.points[index[start : start + STEP]]], axis=1)
-            around -= around.mean(axis=1, keepdims=True)
-            spread = np.einsum("nki,nkj->nij", around, around)
-            values, vectors = np.linalg.eigh(spread)
-            is_plane = values[:, 1] > 1e-12 * np.maximum(values[:, 2], 1e-300)
-            out[start : start + STEP] = np.where(is_plane[:, None], vectors[:, :, 0], 0.0)
+        _planes(self.points, index, out)
         return out
 
     def _consistent(self, normals: FloatArray) -> FloatArray:
         """Normals that agree along the tree of neighbours that differ least (Hoppe et al. 1992)."""
-        pairs = self._near_pairs()
-        n = self.n_faces
+        pairs = self._near_pairs
         if not len(pairs):
             return normals
         i, j = pairs.T
         dot = np.einsum("ij,ij->i", normals[i], normals[j])
-        weights = 1.0 + 1e-6 - np.abs(dot)  # a zero would be no edge
-        tree = csgraph.minimum_spanning_tree(
-            sparse.coo_array((weights, (i, j)), shape=(n, n)).tocsr()
-        ).tocoo()
-        i, j = tree.row, tree.col
-        is_against = np.einsum("ij,ij->i", normals[i], normals[j]) < 0
-        # each point twice, as it is and turned; a tree joins each to exactly one of another's two
-        first = np.concatenate([i, i + n])
-        second = np.where(np.tile(is_against, 2), np.concatenate([j + n, j]), np.concatenate([j, j + n]))
-        _, side = connected_components(2 * n, np.stack([first, second], axis=1))
-        normals = np.where((side[:n] > side[n:])[:, None], -normals, normals)
-        _, piece = connected_components(n, np.stack([i, j], axis=1))
+        order = np.argsort(-np.abs(dot), kind="stable")
+        piece, is_turned = np.arange(self.n_faces), np.zeros(self.n_faces, dtype=np.bool_)
+        _agree(pairs, dot < 0, order, piece, is_turned)
+        normals = np.where(is_turned[:, None], -normals, normals)
         inward = np.average(self.points, axis=0, weights=self.face_areas + 1e-300) - self.points
         looks = np.bincount(piece, self.face_areas * np.einsum("ij,ij->i", normals, inward))
         return np.where((looks < 0)[piece][:, None], -normals, normals)
 
+    @cached_property
     def _near_pairs(self) -> IntArray:
-        """(n_pairs, 2) int32 points within reach of each other, each pair once, smaller first."""
+        """(n_pairs, 2) int32 points within reach of each other, each pair once, smaller first, ascending."""
         index, distance = self._near
         k = min(N_NEAR, index.shape[1])
-        if k == 0:
-            return np.empty((0, 2), np.int32)
-        near = distance[:, :k] <= REACH * self.spacing
-        i = np.repeat(np.arange(self.n_faces, dtype=np.int64), k)[near.ravel()]
-        j = index[:, :k].ravel()[near.ravel()].astype(np.int64)
-        code = np.unique(np.minimum(i, j) * self.n_faces + np.maximum(i, j))
-        pairs = np.stack([code // self.n_faces, code % self.n_faces], axis=1).astype(np.int32)
-        return np.asarray(pairs[pairs[:, 0] != pairs[:, 1]])
+        reach = REACH * self.spacing
+        count = np.zeros(self.n_faces + 1, np.int64)
+        empty = np.empty(0, np.int32)
+        _pairs(index, distance, k, reach, count, empty, empty)
+        starts = np.cumsum(count)
+        pairs = np.full((2, int(starts[-1])), -1, np.int32)
+        _pairs(index, distance, k, reach, starts, *pairs)
+        return np.ascontiguousarray(pairs.T)
 
     @cached_property
     def _adjacency(self) -> IntArray:
-        pairs = self._near_pairs()
-        i, j = pairs.T
-        dot = np.einsum("ij,ij->i", self.face_normals[i], self.face_normals[j])
-        return np.asarray(pairs[dot > BACK])
+        pairs = self._near_pairs
+        is_one_side = np.empty(len(pairs), np.bool_)
+        _look_alike(self.face_normals, pairs, BACK, is_one_side)
+        return np.asarray(pairs[is_one_side])
+
+
+@kernel
+def _look_alike(normals, pairs, back, out):  # type: ignore[no-untyped-def]
+    """Whether the normals of each pair differ by less than two sides of one thing."""
+    for at in range(len(pairs)):
+        i, j = pairs[at, 0], pairs[at, 1]
+        dot = normals[i, 0] * normals[j, 0] + normals[i, 1] * normals[j, 1] + normals[i, 2] * normals[j, 2]
+        out[at] = dot > back
+
+
+@kernel
+def _pairs(index, distance, k, reach, at, first, second):  # type: ignore[no-untyped-def]
+    """Count pairs at their smaller point + 1, or, where there is room, write them in order."""
+    is_count = len(first) == 0
+    for i in range(len(index)):
+        for slot in range(k):
+            j = index[i, slot]
+            if j == i or distance[i, slot] > reach:
+                continue
+            low, high = min(i, j), max(i, j)
+            if i > j:  # which has the pair already where they are mutual
+                is_known = False
+                for other in range(k):
+                    is_known |= index[j, other] == i and distance[j, other] <= reach
+                if is_known:
+                    continue
+            if is_count:
+                at[low + 1] += 1
+                continue
+            place = at[low]
+            at[low] += 1
+            while place > 0 and first[place - 1] == low and second[place - 1] > high:
+                first[place], second[place] = first[place - 1], second[place - 1]
+                place -= 1
+            first[place], second[place] = low, high
+
+
+@kernel
+def _planes(points, index, out):  # type: ignore[no-untyped-def]
+    """Direction in which each point and its neighbours spread least, by Jacobi's rotations; none of lines."""
+    n, k = index.shape
+    around, spread, axes = np.empty((k + 1, 3)), np.empty((3, 3)), np.empty((3, 3))
+    for i in range(n):
+        for a in range(3):
+            around[0, a] = points[i, a]
+            mean = points[i, a]
+            for slot in range(k):
+                around[slot + 1, a] = points[index[i, slot], a]
+                mean += around[slot + 1, a]
+            mean /= k + 1
+            for slot in range(k + 1):
+                around[slot, a] -= mean
+        for a in range(3):
+            for b in range(3):
+                total = 0.0
+                for slot in range(k + 1):
+                    total += around[slot, a] * around[slot, b]
+                spread[a, b] = total
+                axes[a, b] = 1.0 if a == b else 0.0
+        for _ in range(12):  # six are enough for any
+            rest = abs(spread[0, 1]) + abs(spread[0, 2]) + abs(spread[1, 2])
+            if not rest > 1e-16 * (spread[0, 0] + spread[1, 1] + spread[2, 2]):
+                break
+            for p in range(2):
+                for q in range(p + 1, 3):
+                    if spread[p, q] == 0.0:
+                        continue
+                    ratio = (spread[q, q] - spread[p, p]) / (2.0 * spread[p, q])
+                    tangent = (1.0 if ratio >= 0 else -1.0) / (abs(ratio) + np.sqrt(ratio * ratio + 1.0))
+                    cosine = 1.0 / np.sqrt(tangent * tangent + 1.0)
+                    sine = tangent * cosine
+                    for r in range(3):
+                        one, other = spread[r, p], spread[r, q]
+                        spread[r, p], spread[r, q] = cosine * one - sine * other, sine * one + cosine * other
+                    for r in range(3):
+                        one, other = spread[p, r], spread[q, r]
+                        spread[p, r], spread[q, r] = cosine * one - sine * other, sine * one + cosine * other
+                        one, other = axes[r, p], axes[r, q]
+                        axes[r, p], axes[r, q] = cosine * one - sine * other, sine * one + cosine * other
+        least, most = 0, 0
+        for a in range(1, 3):
+            if spread[a, a] < spread[least, least]:
+                least = a
+            if spread[a, a] >= spread[most, most]:
+                most = a
+        middle = 3 - least - most
+        if least != most and spread[middle, middle] > 1e-12 * max(spread[most, most], 1e-300):
+            for a in range(3):
+                out[i, a] = axes[a, least]
+
+
+@kernel
+def _agree(pairs, is_against, order, root, is_turned):  # type: ignore[no-untyped-def]
+    """Kruskal's tree along ``order``: the root of each point, and whether to turn it."""
+    for at in range(len(order)):
+        a, b = pairs[order[at], 0], pairs[order[at], 1]
+        turn = is_against[order[at]]
+        while root[a] != a:  # each hangs on its grandparent afterwards
+            turn ^= is_turned[a]
+            up = root[a]
+            is_turned[a] ^= is_turned[up]
+            root[a] = root[up]
+            a = up
+        while root[b] != b:
+            turn ^= is_turned[b]
+            up = root[b]
+            is_turned[b] ^= is_turned[up]
+            root[b] = root[up]
+            b = up
+        if a != b:
+            root[max(a, b)] = min(a, b)
+            is_turned[max(a, b)] = turn
+    for point in range(len(root)):  # roots come before what hangs on them
+        up = root[point]
+        if up != point:
+            is_turned[point] ^= is_turned[up]
+            root[point] = root[up]
 
 
 @kernel

@@ -14,13 +14,13 @@ from typing import Any, Literal
 import numpy as np
 
 from scenewidget.engine.allocation import allocate
+from scenewidget.engine.curve import along_curve
 from scenewidget.engine.distances import edge_costs
 from scenewidget.engine.felzenszwalb import join_along_seams, join_light_edges
 from scenewidget.engine.items import Items
 from scenewidget.engine.kmedoids import Ties, alternate, initial_medoids
 from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
 from scenewidget.engine.monitor import SILENT, Monitor
-from scenewidget.engine.scale import along_curve
 
 __all__ = ["MemberInit", "felzenszwalb_members", "given_members", "k_medoids_members", "merge_flat"]
 

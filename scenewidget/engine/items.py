@@ -688,7 +688,14 @@ def find_bridges(mesh: Mesh, pairs: IntArray, reach: float) -> IntArray:
         return bridges
     points, home = mesh.face_centroids[border], component[border]
     size = np.bincount(component)
-    tree, cells = cKDTree(points), _Cells(points, reach)
+    cells = _Cells(points, reach)
+    if mesh.is_cloud:  # most points have only their own piece around them
+        is_mixed = cells.are_mixed(home)
+        border, points, home = border[is_mixed], points[is_mixed], home[is_mixed]
+        if len(border) == 0:
+            return bridges
+        cells = _Cells(points, reach)
+    tree = cKDTree(points)
     while n_components > 1:  # crumbs first find each other: then their groups look further, and so on
         asking = np.flatnonzero((home != size.argmax()) & cells.are_mixed(home))
         found = border[_nearest_elsewhere(tree, points, home, asking, reach)]

@@ -153,11 +153,13 @@ def group_moments(mesh: Mesh, group: IntArray, n_groups: int) -> Moments:
     >>> group_moments(square(1), np.array([0, -1]), 1).area.tolist()
     [0.5]
     """
-    if mesh.is_cloud:
-        return face_moments(mesh).gather(group, n_groups)
     sums = np.zeros((n_groups, 13))
+    group = np.asarray(group, dtype=np.int32)
     vertices = mesh.vertices - moment_origin(mesh)
-    _add_moments(vertices, mesh.faces, mesh.face_areas, np.asarray(group, dtype=np.int32), sums)
+    if mesh.is_cloud:
+        _add_discs(vertices, mesh.face_normals, mesh.face_areas, group, sums)
+    else:
+        _add_moments(vertices, mesh.faces, mesh.face_areas, group, sums)
     return Moments(sums[:, 0], sums[:, 1:4], sums[:, 4:].reshape(-1, 3, 3))
 
 
@@ -180,6 +182,22 @@ def _add_moments(vertices, faces, areas, group, sums):  # type: ignore[no-untype
                 sums[row, 4 + 3 * i + j] += (
                     area / 12.0 * (a * d + b * e + c * g + 9.0 * center * ((d + e + g) / 3))
                 )
+
+
+@kernel
+def _add_discs(points, normals, areas, group, sums):  # type: ignore[no-untyped-def]
+    """The same of the discs around points."""
+    for f in range(len(points)):
+        row = group[f]
+        if row < 0:
+            continue
+        area = areas[f]
+        sums[row, 0] += area
+        for i in range(3):
+            sums[row, 1 + i] += area * points[f, i]
+            for j in range(3):
+                disc = ((1.0 if i == j else 0.0) - normals[f, i] * normals[f, j]) * (area / (4 * np.pi))
+                sums[row, 4 + 3 * i + j] += area * (points[f, i] * points[f, j] + disc)
 
 
 def mean_normals(vectors: FloatArray, group: IntArray, n_groups: int) -> FloatArray:

@@ -20,6 +20,7 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from scenewidget.engine.clouds import PointCloud
+from scenewidget.engine.curve import along_curve
 from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import (
     BoolArray,
@@ -33,13 +34,12 @@ from scenewidget.engine.mesh import (
     weld,
 )
 from scenewidget.engine.monitor import SILENT, Monitor
-from scenewidget.engine.scale import along_curve
 
 __all__ = ["Simplified", "filter_normals", "keep_components", "neighbor_table", "simplify"]
 
 Simplifier = Literal["fast", "qslim"]
 _FAST_EDGE = 0.02  # mean length that fast-simplification is given: its thresholds are absolute, for metres
-SWEEPS_IN_FILE_ORDER = 60  # of the normal filter; for more it pays to put faces in an order first
+SWEEPS_IN_FILE_ORDER = 60  # of the normal filter; for more, and for clouds, an order of the faces pays
 MOST_CUT = 0.1  # share of the sides of faces; raw scans have up to 0.01
 _FAST_SIMPLIFICATION = threading.Lock()  # the library keeps its mesh in a global variable
 
@@ -591,7 +591,8 @@ def filter_normals(
     indptr, indices = neighbor_table(mesh.n_faces, pairs)
     areas = (mesh.face_areas / max(float(mesh.face_areas.max()), 1e-300)).astype(np.float32)  # any unit fits
     here = mesh.face_normals.astype(np.float32)
-    order = along_curve(mesh.face_centroids) if sweeps > SWEEPS_IN_FILE_ORDER else None
+    is_scattered = mesh.is_cloud or sweeps > SWEEPS_IN_FILE_ORDER
+    order = along_curve(mesh.face_centroids) if is_scattered else None
     if order is not None:
         here, areas, (indptr, indices) = here[order], areas[order], _reordered(indptr, indices, order)
     there = here.copy()

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, connected_components, unique_codes
 
-__all__ = ["along_curve", "far_apart", "geometric_order", "scene_scale"]
+__all__ = ["far_apart", "geometric_order", "scene_scale"]
 
 ROOM = 20.0  # m² of surface of the scene whose unit is a metre: the least of a room
 
@@ -61,6 +61,8 @@ def geometric_order(mesh: Mesh) -> IntArray:
     """
     (x, _), (y, n_y), (z, n_z) = (_ranks(along) for along in mesh.vertices.T)
     place, n = _ranks(_ranks(x * n_y + y)[0] * n_z + z)
+    if mesh.is_cloud:
+        return np.argsort(place, kind="stable").astype(np.int32)
     a, b, c = place[mesh.faces].T  # whichever corner a face begins with
     low, high = np.minimum(a, b), np.maximum(a, b)
     first, second, third = np.minimum(low, c), np.maximum(low, np.minimum(high, c)), np.maximum(high, c)
@@ -79,34 +81,6 @@ def _ranks(values: npt.NDArray[Any]) -> tuple[IntArray, int]:
     ranks = np.zeros(len(values), dtype=np.int64)
     ranks[order[1:]] = np.cumsum(ordered[1:] != ordered[:-1])
     return ranks, int(ranks[order[-1]]) + 1
-
-
-def along_curve(points: FloatArray) -> IntArray:
-    """(n,) order in which points that lie close mostly come close: along Morton's curve, which fills space.
-
-    It (Morton 1966, IBM) runs through 1024³ cells; points in one cell keep their order.
-
-    Parameters
-    ----------
-    points : (n, 3) float
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from scenewidget.engine.scale import along_curve
-    >>> along_curve(np.array([[9.0, 9, 9], [0, 0, 0], [9, 9, 8], [0, 0, 1]])).tolist()
-    [1, 3, 2, 0]
-    """
-    low = points.min(axis=0)
-    cell = (points - low) * (1023.0 / max(float((points.max(axis=0) - low).max()), 1e-300))
-    code = np.zeros(len(points), dtype=np.uint64)
-    for axis, bits in enumerate(cell.astype(np.uint32).T):
-        for shift, mask in ((16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)):
-            bits = (bits | (bits << np.uint32(shift))) & np.uint32(mask)  # two zeros between any two bits
-        code |= bits.astype(np.uint64) << np.uint64(axis)
-    code = (code << np.uint64(32)) | np.arange(len(points), dtype=np.uint64)
-    code.sort()
-    return (code & np.uint64(0xFFFFFFFF)).astype(np.int64)
 
 
 def far_apart(mesh: Mesh, pairs: IntArray, gap: float) -> IntArray:

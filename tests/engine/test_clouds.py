@@ -12,7 +12,7 @@ from scenewidget.datasets import load_room
 from scenewidget.engine.clouds import PointCloud
 from scenewidget.engine.features import delta_coordinates
 from scenewidget.engine.mesh import Mesh, MeshError, face_adjacency
-from scenewidget.engine.moments import face_moments
+from scenewidget.engine.moments import face_moments, group_moments
 from scenewidget.engine.operators import cotangent_laplacian, eigenbasis, uniform_laplacian
 from scenewidget.engine.readers import load, load_cloud
 from scenewidget.engine.readers.e57 import _stations
@@ -45,6 +45,46 @@ def test_normals_are_consistent_without_a_viewpoint():
     points, _ = sampled(ball, 5_000)
     looks = np.einsum("ij,ij->i", PointCloud(points).face_normals, points)
     assert max((looks > 0).mean(), (looks < 0).mean()) > 0.99
+
+
+@pytest.mark.parametrize("digits", [8, 2])  # the second has points at one place and equal distances
+def test_pairs_are_those_of_the_six_nearest_within_reach(digits):
+    points = np.round(sampled(shapes.icosphere(2), 900)[0], digits)
+    cloud = PointCloud(points, viewpoint=(0, 0, 0))
+    apart = np.linalg.norm(points[:, None] - points, axis=2)
+    reach = 3 * np.median(np.sort(apart)[:, 6])
+    pairs = cloud._near_pairs
+    assert len({tuple(pair) for pair in pairs.tolist()}) == len(pairs)
+    assert (pairs[:, 0] < pairs[:, 1]).all()
+    assert (np.diff(pairs @ [900, 1]) > 0).all()
+    sixth = np.minimum(np.sort(apart)[:, 6], reach)
+    i, j = np.nonzero(np.triu(apart < 0.999999 * np.maximum(sixth, sixth[:, None]), 1))
+    assert {*zip(i.tolist(), j.tolist())} <= {tuple(pair) for pair in pairs.tolist()} or digits == 2
+    assert (apart[pairs[:, 0], pairs[:, 1]] <= 1.000001 * np.maximum(*sixth[pairs.T])).all()
+
+
+def test_planes_spread_least_along_their_normals():
+    points = sampled(shapes.icosphere(2), 700, noise=0.02)[0]
+    cloud = PointCloud(points, viewpoint=(0, 0, 0))
+    apart = np.linalg.norm(points[:, None] - points, axis=2)
+    around = points[np.argsort(apart, axis=1)[:, :17]]
+    around = around - around.mean(axis=1, keepdims=True)
+    least = np.linalg.eigh(np.einsum("nki,nkj->nij", around, around))[1][:, :, 0]
+    np.testing.assert_allclose(np.abs(np.einsum("ij,ij->i", least, cloud.face_normals)), 1, atol=1e-9)
+
+
+def test_points_on_a_line_have_no_normals():
+    cloud = PointCloud(np.outer(np.arange(40.0), [1.0, 2.0, -0.5]), viewpoint=(5, 0, 0))
+    assert not cloud.face_normals.any()
+
+
+def test_sums_over_groups_of_points_are_those_of_their_discs():
+    points, face = sampled(shapes.icosphere(1), 500)
+    cloud = PointCloud(points, shapes.icosphere(1).face_normals[face])
+    group = np.random.default_rng(0).integers(-1, 4, 500)
+    expected, found = face_moments(cloud).gather(group, 4), group_moments(cloud, group, 4)
+    np.testing.assert_allclose(found.second, expected.second, atol=1e-14)
+    np.testing.assert_allclose(found.first, expected.first, atol=1e-14)
 
 
 def test_sheets_apart_and_back_to_back_are_not_neighbours():
