@@ -7,6 +7,7 @@ vertices: each keeps its number, and has the mean of the colours at its corners.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ import numpy as np
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, MeshError
 from scenewidget.engine.readers.colors import Texture, as_bytes, at_vertices, open_image
 from scenewidget.engine.readers.scan import ByteArray, Notes, Scan
-from scenewidget.engine.readers.text import chunks, numbers, row_lengths, whole_numbers, words_per_line
+from scenewidget.engine.readers.text import CHUNK, rows, whole_numbers, words_per_line
 
 __all__ = ["read"]
 
@@ -58,9 +59,9 @@ class _Lines:
 
     def __init__(self, data: ByteArray) -> None:
         self.data = data
-        ends = np.flatnonzero(data == 10)
-        self.ends = np.append(ends, len(data))
-        self.starts = np.concatenate([[0], ends + 1])
+        ends = np.flatnonzero(data == 10).astype(np.min_scalar_type(len(data) + 3))
+        self.ends = np.append(ends, ends.dtype.type(len(data)))
+        self.starts = np.concatenate([np.zeros(1, ends.dtype), ends + ends.dtype.type(1)])
         first, second, third = (
             np.where(self.starts + k < self.ends, data[np.minimum(self.starts + k, len(data) - 1)], 10)
             for k in range(3)
@@ -73,18 +74,19 @@ class _Lines:
         self.is_material = (first == ord("u")) & (second == ord("s"))
         self.is_library = (first == ord("m")) & (second == ord("t"))
 
-    def block(self, which: BoolArray, width: int) -> bytes:
-        """Text of these lines, their first word, of ``width`` letters, left out."""
-        rows = np.flatnonzero(which)
-        if len(rows) == 0:
-            return b""
+    def pieces(self, which: BoolArray, width: int) -> Iterator[bytes]:
+        """Text of these lines, their first word, of ``width`` letters, left out; some megabytes at once."""
+        chosen = np.flatnonzero(which).astype(np.int32)
+        if len(chosen) == 0:
+            return
         for k in range(width):
-            self.data[self.starts[rows] + k] = 32
-        runs = np.flatnonzero(np.concatenate([[True], np.diff(rows) > 1]))
-        last = np.append(runs[1:], len(rows)) - 1
-        spans = zip(self.starts[rows[runs]].tolist(), self.ends[rows[last]].tolist())
-        whole = self.data.data
-        return b"\n".join([whole[a:b] for a, b in spans])
+            self.data[self.starts[chosen] + self.starts.dtype.type(k)] = 32
+        written = np.cumsum(self.ends[chosen] - self.starts[chosen], dtype=np.int64) // CHUNK
+        for some in np.split(chosen, np.flatnonzero(np.diff(written)) + 1):
+            runs = np.flatnonzero(np.concatenate([[True], np.diff(some) > 1]))
+            last = np.append(runs[1:], len(some)) - 1
+            spans = zip(self.starts[some[runs]].tolist(), self.ends[some[last]].tolist())
+            yield b"\n".join([self.data.data[a:b] for a, b in spans])
 
     def words(self, which: BoolArray) -> list[str]:
         """What stands behind the first word of these lines."""
@@ -99,27 +101,27 @@ def _read(path: Path, lines: _Lines, notes: Notes) -> Scan:
     vertices, colors = _vertices(lines, notes)
     scan = Scan(vertices)
     scan.colors = colors
-    faces = _faces(path, lines)
+    has_materials = bool(libraries and materials)
+    faces = _faces(path, lines, has_materials)
     if faces is None:
         return scan
-    line_of_corner = np.repeat(np.flatnonzero(lines.is_face), faces.counts)
-    scan.corners = _from_zero(faces.vertex, line_of_corner, lines.is_vertex)
+    scan.corners = _from_zero(faces.vertex, faces.counts, lines.is_face, lines.is_vertex)
     if (faces.vertex == 0).any() and faces.vertex.max() < len(vertices):
         raise MeshError(
             f"{path.name!r} has a face with vertex 0, but OBJ files number vertices from 1: add 1 to each"
         )
     scan.counts = None if (faces.counts == 3).all() else faces.counts
-    if libraries and materials:
+    if has_materials:
         line_of_material = np.flatnonzero(lines.is_material)
         used = np.searchsorted(line_of_material, np.flatnonzero(lines.is_face)) - 1
-        uv = _from_zero(faces.texture, line_of_corner, lines.is_texture)
+        uv = _from_zero(faces.texture, faces.counts, lines.is_face, lines.is_texture)
         known = _library(path, libraries, notes)
         scan.colors = _material_colors(path, scan, faces, uv, lines, materials, used, known, notes)
     return scan
 
 
 def _vertices(lines: _Lines, notes: Notes) -> tuple[FloatArray, ByteArray | None]:
-    values, width = _rows(lines.block(lines.is_vertex, 1))
+    values, width = rows(lines.pieces(lines.is_vertex, 1))
     if len(width) == 0:
         raise MeshError("holds no vertices: it is no OBJ file, or damaged")
     if width.min() < 3:
@@ -140,20 +142,18 @@ def _vertices(lines: _Lines, notes: Notes) -> tuple[FloatArray, ByteArray | None
     return vertices, colors
 
 
-def _rows(block: bytes) -> tuple[FloatArray, IntArray]:
-    return numbers(block), row_lengths(block)
-
-
 # --- faces ----------------------------------------------------------------------------------------
 
 
-def _faces(path: Path, lines: _Lines) -> _Faces | None:
-    block = lines.block(lines.is_face, 1)
-    if b"#" in block:  # remarks behind a face
-        block = re.sub(rb"#[^\n]*", b"", block)
-    if not block:
+def _faces(path: Path, lines: _Lines, has_textures: bool) -> _Faces | None:
+    found = []
+    for piece in lines.pieces(lines.is_face, 1):
+        if b"#" in piece:  # remarks behind a face
+            piece = re.sub(rb"#[^\n]*", b"", piece)
+        vertex, texture, counts = _corners(piece)
+        found.append((vertex, texture if has_textures else texture[:0], counts.astype(np.int32)))
+    if not found:
         return None
-    found = [_corners(piece) for piece in chunks(block)]
     faces = _Faces(*(np.concatenate(parts) for parts in zip(*found)))
     if faces.counts[-1] < 3 and lines.data[-1] not in (10, 13):
         raise MeshError(
@@ -195,13 +195,13 @@ def _corners(piece: bytes) -> tuple[IntArray, IntArray, IntArray]:
     return vertex, texture.astype(np.int32), counts
 
 
-def _from_zero(index: IntArray, line: IntArray, is_entry: BoolArray) -> IntArray:
+def _from_zero(index: IntArray, counts: IntArray, is_face: BoolArray, is_entry: BoolArray) -> IntArray:
     """Indices from 0; negative ones count back from the line that they stand in. -1 where there is none."""
     out = index - 1
     is_back = index < 0
     if is_back.any():
-        before = np.cumsum(is_entry)
-        found = before[line[is_back]] + index[is_back]
+        line = np.repeat(np.flatnonzero(is_face), counts)
+        found = np.cumsum(is_entry)[line[is_back]] + index[is_back]
         out[is_back] = np.where(found < 0, -1, found)
     return out
 
@@ -300,7 +300,7 @@ def _material_colors(
     notes: Notes,
 ) -> ByteArray | None:
     """Vertex colours out of materials; those of the vertices where a material says nothing."""
-    uv, width = _rows(lines.block(lines.is_texture, 2))
+    uv, width = rows(lines.pieces(lines.is_texture, 2))
     coordinates = np.zeros((0, 2))
     if len(width) and width.min() >= 2:
         coordinates = uv[(np.cumsum(width) - width)[:, None] + np.arange(2)]

@@ -13,7 +13,7 @@ import numpy as np
 from scenewidget.engine.mesh import MeshError
 from scenewidget.engine.readers.colors import as_bytes, at_vertices
 from scenewidget.engine.readers.scan import Notes, Scan, check_promise
-from scenewidget.engine.readers.text import numbers, row_lengths
+from scenewidget.engine.readers.text import chunks, rows
 
 __all__ = ["read"]
 
@@ -30,17 +30,16 @@ def read(path: Path, notes: Notes) -> Scan:
         raise MeshError(
             f"{path.name!r} is an OFF of a rare kind ({head[0].decode().strip()}): save it as PLY"
         )
-    body = data[head.end() :].lstrip()
-    counts = re.match(rb"(\d{1,18})\s+(\d{1,18})(?:[ \t]+\d+)?[ \t\r]*(?:\n|$)", body)
+    counts = re.compile(rb"\s*(\d{1,18})\s+(\d{1,18})(?:[ \t]+\d+)?[ \t\r]*(?:\n|$)").match(data, head.end())
     if counts is None:
         raise MeshError(
             f"{path.name!r} is damaged or truncated: the numbers of its vertices and faces are missing"
         )
-    body = body[counts.end() :]
-    n_vertices, n_faces = int(counts[1]), int(counts[2])
-    check_promise(path, "vertices", n_vertices, 6, len(body) + 1)
-    check_promise(path, "faces", n_faces, 2, len(body) + 1)
-    values, width = numbers(body), row_lengths(body)
+    n_vertices, n_faces, room = int(counts[1]), int(counts[2]), len(data) - counts.end()
+    check_promise(path, "vertices", n_vertices, 6, room + 1)
+    check_promise(path, "faces", n_faces, 2, room + 1)
+    values, width = rows(chunks(memoryview(data)[counts.end() :]))
+    del data
     if len(width) < n_vertices + n_faces:
         raise MeshError(
             f"{path.name!r} is damaged or truncated: its header promises at least {n_vertices + n_faces} "
@@ -61,15 +60,18 @@ def read(path: Path, notes: Notes) -> Scan:
         raise MeshError(
             f"{path.name!r} is damaged or truncated: face {row} has fewer corners than it promises"
         )
-    scan.counts = count.astype(np.int64)
-    inside = np.arange(int(scan.counts.sum())) - np.repeat(np.cumsum(scan.counts) - scan.counts, scan.counts)
-    scan.corners = values[np.repeat(at, scan.counts) + 1 + inside]
-    behind = wide - 1 - scan.counts
+    count = count.astype(np.int32)
+    if (count == 3).all():
+        scan.corners = values[at[:, None] + np.arange(1, 4)].reshape(-1)
+    else:
+        scan.counts = count
+        inside = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
+        scan.corners = values[np.repeat(at, count) + 1 + inside]
+    behind = wide - 1 - count
     if scan.colors is None and n_faces and behind.min() >= 3:
-        place = (at + 1 + scan.counts)[:, None] + np.arange(3)
-        found = as_bytes(values[place], notes)
+        found = as_bytes(values[(at + 1 + count)[:, None] + np.arange(3)], notes)
         if found is not None:
             notes.say("colours stand at the faces: a vertex has the mean of those around it")
             corners = np.where(np.isfinite(scan.corners), scan.corners, -1).astype(np.int64)
-            scan.colors = at_vertices(corners, np.repeat(found, scan.counts, axis=0), n_vertices)
+            scan.colors = at_vertices(corners, np.repeat(found, count, axis=0), n_vertices)
     return scan

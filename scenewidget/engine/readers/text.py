@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
 
 from scenewidget.engine.mesh import FloatArray, IntArray, MeshError
 
-__all__ = ["chunks", "numbers", "row_lengths", "whole_numbers", "words_per_line"]
+__all__ = ["chunks", "numbers", "row_lengths", "rows", "whole_numbers", "words_per_line"]
 
 CHUNK = 1 << 22  # bytes of text that are looked at together
 
@@ -36,7 +36,22 @@ def whole_numbers(block: bytes) -> IntArray:
     return np.asarray(_parsed(block, np.int64))
 
 
-def _parsed(block: bytes, dtype: type) -> Any:
+def rows(pieces: Iterable[bytes]) -> tuple[FloatArray, IntArray]:
+    """All numbers of a text that comes in pieces, and how many each line has; see `numbers`, `row_lengths`.
+
+    Lines end with their piece. Memory is needed for one piece of text at a time.
+    """
+    values, widths, line = [np.empty(0)], [np.empty(0, dtype=np.int32)], 0
+    for piece in pieces:
+        count = words_per_line(piece)
+        block = _WINDOWS_NAN.sub(b"nan", piece) if b"#" in piece else piece
+        values.append(_parsed(block, np.float64, line))
+        widths.append(count[count > 0].astype(np.int32))
+        line += len(count)
+    return np.concatenate(values), np.concatenate(widths)
+
+
+def _parsed(block: bytes, dtype: type, line: int = 0) -> Any:
     if not block or block.isspace():
         return np.empty(0, dtype=dtype)
     try:
@@ -44,10 +59,10 @@ def _parsed(block: bytes, dtype: type) -> Any:
             warnings.simplefilter("error", DeprecationWarning)
             return np.fromstring(block, dtype=dtype, sep=" ")
     except (ValueError, DeprecationWarning):
-        raise MeshError(_complaint(block, dtype)) from None
+        raise MeshError(_complaint(block, dtype, line)) from None
 
 
-def _complaint(block: bytes, dtype: type) -> str:
+def _complaint(block: bytes, dtype: type, before: int) -> str:
     kind = int if dtype is np.int64 else float
     for found in re.finditer(rb"\S+", block):
         token = found[0]
@@ -56,7 +71,7 @@ def _complaint(block: bytes, dtype: type) -> str:
                 raise ValueError
             kind(token)
         except ValueError:
-            line = block.count(b"\n", 0, found.start()) + 1
+            line = before + block.count(b"\n", 0, found.start()) + 1
             hint = "; decimals must have a point" if re.fullmatch(rb"-?\d+,\d+", token) else ""
             text = token[:40].decode("ascii", "replace")
             return f"is damaged: {text!r} stands where a number is expected (line {line} of its data{hint})"
