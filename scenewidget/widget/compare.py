@@ -29,6 +29,7 @@ from scenewidget.hands import agreement
 from scenewidget.metrics import quick_scores
 from scenewidget.palette import keep_colors
 from scenewidget.widget.lifetimes import belongs_to_its_cell, close_all
+from scenewidget.widget.misplaced import place_to_set, refuse_options
 from scenewidget.widget.observing import FaultTolerant
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scores import Scorer, disagreement, score_rows
@@ -42,6 +43,7 @@ __all__ = ["Compare"]
 
 Side = Params | Segmentation
 SHARED = ("color_by", "color_mix", "outlines", "back_faces", "section", "up")  # state of all views
+OWN = ("pipeline", "views")  # that are set once
 LETTERS = "ABCDEFGH"
 MOST = len(LETTERS)  # a browser keeps about sixteen pictures
 TABLE_STYLE = "border-collapse:collapse;font-variant-numeric:tabular-nums"
@@ -71,6 +73,8 @@ class Compare(FaultTolerant, widgets.VBox):
         and the first by the mean over the others; its ``__name__`` is the title.
     height : int
         Of the pictures, in pixels.
+    **options
+        None: others are refused with the place where they belong.
 
     Attributes
     ----------
@@ -131,7 +135,9 @@ class Compare(FaultTolerant, widgets.VBox):
         truth: Segmentation | IntArray | None = None,
         disagreement: Callable[[IntArray, IntArray], npt.ArrayLike] | None = None,
         height: int = 420,
+        **options: Any,
     ) -> None:
+        refuse_options(Compare, options)
         self.pipeline = Pipeline(mesh)
         a, b = (_checked(name, side, self.mesh) for name, side in (("a", a), ("b", b)))
         sides = [a, b, *(_checked("others", side, self.mesh) for side in others)]
@@ -171,6 +177,14 @@ class Compare(FaultTolerant, widgets.VBox):
         belongs_to_its_cell(self)
         self._compute()
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        """As of any object; a name that belongs elsewhere is refused with the place where it belongs."""
+        if not name.startswith("_") and not hasattr(type(self), name) and name not in OWN:
+            hint = place_to_set(type(self), name, "views[0]")
+            if hint:
+                raise AttributeError(f"a Compare has no {name!r} to set; {hint}")
+        super().__setattr__(name, value)
+
     def __repr__(self) -> str:
         *most, last = [str(segmentation.n_segments) for segmentation in self.segmentations] or [""]
         numbers = f"{', '.join(most)} and {last}" if most else ""
@@ -180,6 +194,17 @@ class Compare(FaultTolerant, widgets.VBox):
     def mesh(self) -> Mesh:
         """The scan, as loaded."""
         return self.pipeline.mesh
+
+    @property
+    def height(self) -> int:
+        """Of the pictures, in pixels; can be set."""
+        height: int = self.views[0].height
+        return height
+
+    @height.setter
+    def height(self, height: int) -> None:
+        for view in self.views:
+            view.height = height
 
     def wait(self, timeout: float | None = 60.0) -> tuple[Segmentation, ...]:
         """Block until all are there, for scripts and tests.

@@ -7,6 +7,7 @@ stands in `scenewidget.widget.wire`, how segments get their colours in `scenewid
 
 from __future__ import annotations
 
+import difflib
 import math
 import os
 import secrets
@@ -338,6 +339,14 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
 
         self.on_msg(self._hear_of_up)
         self.on_msg(self._hear_of_mesh)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """As of any object; what looks like a trait spelled otherwise is refused with its name."""
+        if not name.startswith("_") and not hasattr(type(self), name) and name != "mesh":
+            near = difflib.get_close_matches(name, _option_names(), n=1, cutoff=0.75)
+            if near:
+                raise AttributeError(f"a SceneView has no {name!r} to set; did you mean {near[0]!r}?")
+        super().__setattr__(name, value)
 
     def twin(self, **options: Any) -> SceneView:
         """Another view of the same mesh, which takes its arrays from this one where both are on a page.

@@ -6,7 +6,6 @@ script can do without it. The engine runs in one worker thread, so the notebook 
 
 from __future__ import annotations
 
-import difflib
 import os
 import secrets
 import threading
@@ -34,6 +33,7 @@ from scenewidget.widget.columns import COLUMNS, column_values
 from scenewidget.widget.controls import ParamsControls
 from scenewidget.widget.edit_commands import EditCommands
 from scenewidget.widget.lifetimes import belongs_to_its_cell, close_all
+from scenewidget.widget.misplaced import place_to_get, place_to_set, refuse_options
 from scenewidget.widget.observing import FaultTolerant
 from scenewidget.widget.previewer import Previewer, preview_params
 from scenewidget.widget.scene_view import SceneView
@@ -79,6 +79,8 @@ class SceneWidget(FaultTolerant, widgets.VBox):
     vocabulary : "nyu40", "scannet20" or list of str, optional
         Names to choose from when a segment is named; any other name can be typed. The first seven are given
         by the keys 4 to 9 and 0, until others are used. NYU40 by default, or what a restored session has.
+    **options
+        None: others are refused with the place where they belong.
 
     Attributes
     ----------
@@ -139,7 +141,9 @@ class SceneWidget(FaultTolerant, widgets.VBox):
         height: int = 560,
         autosave: bool | str | os.PathLike[str] = True,
         vocabulary: str | Sequence[str] | None = None,
+        **options: Any,
     ) -> None:
+        refuse_options(SceneWidget, options)
         if params is not None and not isinstance(params, Params):
             raise TypeError(
                 f"params must be a Params, got {type(params).__name__}; write Params(n_segments=…)"
@@ -237,14 +241,14 @@ class SceneWidget(FaultTolerant, widgets.VBox):
     def __setattr__(self, name: str, value: Any) -> None:
         """As of any object; a name that belongs elsewhere is refused with the place where it belongs."""
         if not name.startswith("_") and not hasattr(type(self), name) and name not in OWN:
-            hint = _place_to_set(name)
+            hint = place_to_set(type(self), name)
             if hint:
                 raise AttributeError(f"a SceneWidget has no {name!r} to set; {hint}")
         super().__setattr__(name, value)
 
     def __getattr__(self, name: str) -> Any:
         """Say where something is that isn't here."""
-        hint = "" if name.startswith("_") else _place_to_get(name)
+        hint = "" if name.startswith("_") else place_to_get(name)
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{hint}")
 
     def wait(self, timeout: float | None = 60.0) -> Segmentation:
@@ -525,20 +529,3 @@ class SceneWidget(FaultTolerant, widgets.VBox):
         self.controls.can_rerun = self._shown_params != self.params
         self.view.status, self.view.progress, self.view.busy = summary, 1.0, False
         self.set_trait("busy", False)
-
-
-def _place_to_set(name: str) -> str:
-    """What to write where somebody sets a name that a widget hasn't got; "" if nobody can tell."""
-    if name in Params.__dataclass_fields__:
-        return f"write w.params = w.params.replace({name}=…)"
-    if SceneView.class_traits().get(name) is not None:
-        return f"write w.view.{name} = …"
-    near = difflib.get_close_matches(name, ["params", "height", "view", "observe"], n=1, cutoff=0.75)
-    return f"did you mean {near[0]!r}?" if near else ""
-
-
-def _place_to_get(name: str) -> str:
-    for place, kind in (("segmentation", Segmentation), ("session", Session), ("view", SceneView)):
-        if name in dir(kind) or name in getattr(kind, "__dataclass_fields__", ()):
-            return f"; it is w.{place}.{name}"
-    return f"; it is w.params.{name}" if name in Params.__dataclass_fields__ else ""

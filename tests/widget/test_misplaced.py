@@ -1,0 +1,71 @@
+"""What is given to the wrong object is refused with the place where it belongs."""
+
+import pytest
+
+import scenewidget as sw
+from scenewidget.datasets import analytic
+
+MESH = analytic.square(2)
+GIVEN = sw.Segmentation.from_labels(MESH, [0, 0, 0, 0, 1, 1, 1, 1])
+
+
+@pytest.fixture(scope="module")
+def made():
+    """One of each, by the letter that messages use."""
+    w = sw.SceneWidget(MESH, sw.Params(n_runs=2, n_graph_runs=2), autosave=False)
+    found = {"w": w, "v": w.view, "c": sw.Compare(MESH, GIVEN, GIVEN)}
+    yield found
+    w.close()
+    found["c"].close()
+
+
+@pytest.mark.parametrize(
+    ("which", "name", "hint"),
+    [
+        ("w", "width", "write w.layout.width = '600px'"),
+        ("w", "truth", r"give it when the widget is made: SceneWidget\(…, truth=…\)"),
+        ("w", "cost_exponent", r"write w.params = w.params.replace\(cost_exponent=…\)"),
+        ("w", "section", "write w.view.section = …"),
+        ("w", "heigth", "did you mean 'height'"),
+        ("c", "theme", r"write w.views\[0\].theme = …"),
+        ("c", "disagreement", r"give it when the widget is made: Compare\(…, disagreement=…\)"),
+        ("c", "other", "did you mean 'others'"),
+        ("v", "colour_by", "did you mean 'color_by'"),
+        ("v", "backfaces", "did you mean 'back_faces'"),
+    ],
+)
+def test_names_that_belong_elsewhere_are_not_set(made, which, name, hint):
+    with pytest.raises(AttributeError, match=f"no '{name}' to set; {hint}"):
+        setattr(made[which], name, 1)
+
+
+def test_names_of_ones_own_can_be_set(made):
+    for widget in made.values():
+        widget.my_notes = "the lamp"
+        assert widget.my_notes == "the lamp"
+
+
+def test_the_way_to_an_export_is_told(made):
+    with pytest.raises(AttributeError, match=r"write sw.export\(w.segmentation, w.mesh, path\)"):
+        made["w"].export("room.ply")
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "message"),
+    [
+        (sw.SceneWidget, {"n_segments": 3, "seed": 1}, r"Widget\(mesh, Params\(n_segments=3, seed=1\)\)"),
+        (sw.Compare, {"n_runs": 3}, r"write Compare\(mesh, Params\(n_runs=3\)\)"),
+        (sw.SceneWidget, {"color_by": "scan"}, "no option 'color_by'; set it of the picture"),
+        (sw.SceneWidget, {"width": 300}, "no option 'width'; it fills its place"),
+        (sw.SceneWidget, {"vocabluary": "nyu40"}, "did you mean 'vocabulary'"),
+        (sw.Compare, {"x": 3}, "no option 'x'; there are: mesh, a, b, others, truth, disagreement, height"),
+    ],
+)  # fmt: skip
+def test_options_that_belong_elsewhere_are_refused_before_anything_is_computed(kind, options, message):
+    with pytest.raises(TypeError, match=message):
+        kind(MESH, **options)
+
+
+def test_the_height_of_a_comparison_is_that_of_all_its_pictures(made):
+    made["c"].height = 300
+    assert [made["c"].height, *(view.height for view in made["c"].views)] == [300, 300, 300]
