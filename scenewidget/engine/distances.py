@@ -10,7 +10,7 @@ factor, with (min, +) in the place of (+, ×): Planken, de Weerdt and van der Kr
 
 from __future__ import annotations
 
-import os
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -23,9 +23,11 @@ from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.engine.monitor import SILENT, Monitor
+from scenewidget.engine.threads import n_threads as all_threads
 
 __all__ = [
     "MAX_DENSE_ITEMS",
+    "DistancesOnDemand",
     "MinPlusFactor",
     "all_pairs",
     "edge_costs",
@@ -328,11 +330,11 @@ class MinPlusFactor:
         by = np.argsort(position[sources], kind="stable")  # neighbours in the order share their upward paths
         strips = [by[i : i + STRIP] for i in range(0, len(by), STRIP)]
 
-        n_threads = min(n_threads or os.cpu_count() or 1, max(1, len(strips)))
+        n_workers = min(n_threads or all_threads(), max(1, len(strips)))
 
         def solve(first: int) -> None:
             paths, is_reached = np.empty((n, STRIP), np.float32), np.empty(n, np.bool_)
-            for done in range(first, len(strips), n_threads):
+            for done in range(first, len(strips), n_workers):
                 monitor.tick(done / len(strips))
                 steps = position[sources[strips[done]]]
                 paths.fill(np.inf)
@@ -351,11 +353,43 @@ class MinPlusFactor:
                     out,
                 )
 
-        with ThreadPoolExecutor(n_threads) as pool:
-            for _ in pool.map(solve, range(n_threads)):
+        with ThreadPoolExecutor(n_workers) as pool:
+            for _ in pool.map(solve, range(n_workers)):
                 pass
         monitor.tick(1.0)
         return out
+
+
+@dataclass(frozen=True, eq=False)
+class DistancesOnDemand(Sequence[npt_float32]):
+    """Distances between all nodes of several graphs, each (n, n) matrix made when it is asked for.
+
+    At 34 000 nodes it takes 4.6 GB, more than what it is made of takes to make it again is worth.
+
+    Parameters
+    ----------
+    factors : tuple of MinPlusFactor
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from scenewidget.engine.distances import DistancesOnDemand, MinPlusFactor
+    >>> factor = MinPlusFactor(sparse.csr_array([[0, 2.0], [2.0, 0]]))
+    >>> [D.tolist() for D in DistancesOnDemand((factor,))]
+    [[[0.0, 2.0], [2.0, 0.0]]]
+    """
+
+    factors: tuple[MinPlusFactor, ...]
+
+    def __len__(self) -> int:
+        return len(self.factors)
+
+    def __getitem__(self, which: Any) -> Any:
+        """(n, n) float32, or of a slice the same of some of the graphs."""
+        if isinstance(which, slice):
+            return DistancesOnDemand(self.factors[which])
+        factor = self.factors[which]
+        return factor.rows(np.arange(len(factor.order)), n_threads=all_threads())
 
 
 def _checked(graph: Any) -> sparse.coo_array:

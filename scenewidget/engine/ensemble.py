@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -100,10 +101,9 @@ def k_medoids_members(
         for i in range(n_runs)
     ]
 
-    def run(i: int) -> IntArray:
+    def run(D: np.ndarray[Any, np.dtype[np.float32]], i: int) -> IntArray:
         monitor.tick()
         rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(i,)))
-        D = distances[i % len(distances)]
         if init == "even":
             k = int(k_range[0] + place[i] * (k_range[1] + 1 - k_range[0]))
         else:
@@ -122,7 +122,11 @@ def k_medoids_members(
         labels = alternate(D, np.concatenate(medoids).astype(np.int32), ties).labels
         return labels if merge is None else merge_flat(items, labels, **merge)
 
-    return _collect(run, n_runs, items.n, n_threads, monitor)
+    keys = np.empty((items.n, n_runs), dtype=np.int32)
+    n = len(distances)
+    for first in range(min(n, n_runs)):  # one matrix after the other: large ones are made when they are used
+        _collect(partial(run, distances[first]), range(first, n_runs, n), keys, n_threads, monitor)
+    return keys
 
 
 def felzenszwalb_members(
@@ -202,7 +206,9 @@ def felzenszwalb_members(
             )
         return join_light_edges(items.n, items.pairs, weights, threshold=c, sizes=items.sizes)
 
-    return _collect(run, n_runs, items.n, n_threads, monitor)
+    keys = np.empty((items.n, n_runs), dtype=np.int32)
+    _collect(run, range(n_runs), keys, n_threads, monitor)
+    return keys
 
 
 def _evenly(place: IntArray, start: FloatArray) -> FloatArray:
@@ -278,14 +284,13 @@ def given_members(items: Items, members: Sequence[IntArray], n_runs: int) -> Int
 
 
 def _collect(
-    run: Callable[[int], IntArray], n_runs: int, n_items: int, n_threads: int, monitor: Monitor
-) -> IntArray:
-    keys = np.empty((n_items, n_runs), dtype=np.int32)
+    run: Callable[[int], IntArray], numbers: Sequence[int], keys: IntArray, n_threads: int, monitor: Monitor
+) -> None:
+    """Put what ``run`` gives for each of the numbers in the column of the keys with this number."""
     with ThreadPoolExecutor(n_threads) as pool:
-        for i, labels in enumerate(pool.map(run, range(n_runs))):
+        for i, labels in zip(numbers, pool.map(run, numbers)):
             keys[:, i] = labels
-            monitor.tick((i + 1) / n_runs)
-    return keys
+            monitor.tick((i + 1) / keys.shape[1])
 
 
 def merge_flat(

@@ -7,7 +7,7 @@ table in the same order, each a call or two of the module that has its idea.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -25,6 +25,7 @@ from scenewidget.engine.consensus import (
 )
 from scenewidget.engine.dihedral import dihedral_partition
 from scenewidget.engine.distances import (
+    DistancesOnDemand,
     MinPlusFactor,
     edge_costs,
     edge_weights,
@@ -59,6 +60,8 @@ from scenewidget.engine.segmentation import Segmentation, segmentation_of_items
 from scenewidget.engine.threads import n_threads
 
 __all__ = ["TITLES", "Stage", "stages"]
+
+MOST_GB = 1.5  # of distances, which are remembered up to here, and beyond made anew whenever they are used
 
 TITLES = {  # what people read while a step runs
     "adjacency": "Finding neighbouring faces",
@@ -305,7 +308,7 @@ def _distances(
     hop: float,
     feature_floor: float,
     convex_weights: tuple[float, ...],
-) -> tuple[Any, ...]:
+) -> Sequence[Any]:
     """Between all items, (n, n) float32 for each of the convex weights."""
     costs = edge_costs(items.normals, items.pairs, a=a, b=b, exponent=exponent)
     steps = None
@@ -313,7 +316,7 @@ def _distances(
         steps = np.linalg.norm(features[items.pairs[:, 0]] - features[items.pairs[:, 1]], axis=1)
         if feature_floor == 0.0 and b != 0.0:  # else creases cost no more than what is flat
             warn_of_vanishing_features(steps, costs)
-    out = []
+    factors = []
     for alpha in convex_weights:
         weights = edge_weights(
             steps,
@@ -324,9 +327,13 @@ def _distances(
             convex_weight=alpha,
             hop=hop,
         )
-        factor = MinPlusFactor(weight_graph(items.n, items.pairs, weights))
-        out.append(factor.rows(np.arange(items.n), n_threads=n_threads(), monitor=monitor))
-    return tuple(out)
+        factors.append(MinPlusFactor(weight_graph(items.n, items.pairs, weights)))
+    distances = DistancesOnDemand(tuple(factors))
+    if 4e-9 * items.n**2 * len(factors) > MOST_GB:
+        return distances
+    return tuple(
+        factor.rows(np.arange(items.n), n_threads=n_threads(), monitor=monitor) for factor in factors
+    )
 
 
 # --- the ensemble ---------------------------------------------------------------------------------
@@ -348,7 +355,7 @@ def _graph_runs(
 
 def _ensemble(
     items: Items,
-    distances: tuple[Any, ...],
+    distances: Sequence[Any],
     share: FloatArray,
     members: tuple[IntArray, ...],
     graph_runs: IntArray | None = None,

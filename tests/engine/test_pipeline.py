@@ -14,6 +14,7 @@ from sklearn.metrics import adjusted_rand_score
 from strategies import nasty_meshes
 
 from scenewidget.engine import stages as stage_table
+from scenewidget.engine.memo import n_bytes
 from scenewidget.engine.mesh import Mesh, MeshError
 from scenewidget.engine.monitor import Cancelled
 from scenewidget.engine.params import Params
@@ -27,6 +28,16 @@ FAST = Params(n_items=1000, n_segments=12, k_range=(20, 30), n_runs=4, n_graph_r
 FAITHFUL = Params.thesis(n_segments=12, n_items=400, k_range=(20, 30), n_runs=4)
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*:UserWarning")
+
+
+def test_distances_too_large_to_keep_are_made_as_they_are_used(monkeypatch):
+    kept = Pipeline(ROOM).get("ensemble", FAST)
+    monkeypatch.setattr(stage_table, "MOST_GB", 0.0)
+    pipe = Pipeline(ROOM)
+    np.testing.assert_array_equal(pipe.get("ensemble", FAST), kept)
+    large = pipe.get("distances", FAST)
+    assert len(large) == len(large[:]) == len(FAST.convex_weights)
+    assert n_bytes(large) < large[0].nbytes
 
 
 def same(a, b):
