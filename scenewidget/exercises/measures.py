@@ -8,6 +8,7 @@ import numpy as np
 
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
 from scenewidget.exercises.judging import Exercise, FunctionExercise, NumberExercise, WordExercise
+from scenewidget.metrics import local_consistency_error, mean_iou
 
 __all__ = ["EXERCISES"]
 
@@ -69,6 +70,33 @@ def _masks() -> dict[str, tuple[Any, ...]]:
         ),
         "thirty faces": (rng.random(30) < 0.5, rng.random(30) < 0.6, areas),
     }
+
+
+def cheat(truth: IntArray) -> IntArray:
+    """The largest thing in ten pieces, and all others in one."""
+    largest = np.bincount(truth).argmax()
+    return np.where(truth == largest, 1 + np.arange(len(truth)) % 10, 0)
+
+
+def _rooms() -> dict[str, tuple[Any, ...]]:
+    """Things as unequal as those of a room, in three rooms of different size."""
+    rng = np.random.default_rng(2)
+    shares = 1 / np.arange(1, 31)
+    return {
+        f"a room of {n} triangles": (rng.permutation(np.append(np.arange(30), rng.choice(30, n - 30, p=shares / shares.sum()))),)
+        for n in (700, 1_000, 1_300)
+    }  # fmt: skip
+
+
+def _is_cheating(parts: tuple[FloatArray, ...]) -> tuple[FloatArray, ...]:
+    """Which of the three things that are asked for these labels have: low LCE, low IoU, a few segments."""
+    (labels,) = parts
+    (truth,) = next(given for given in _rooms().values() if len(given[0]) == len(labels))
+    segments, numbered = np.unique(labels, return_inverse=True)
+    found = numbered.ravel()
+    is_fine = local_consistency_error(found, truth) < 0.001
+    is_bad = mean_iou(found, truth) < 0.1
+    return tuple(np.array(float(met)) for met in (is_fine, is_bad, 5 <= len(segments) <= 50))
 
 
 EXERCISES: tuple[Exercise, ...] = (
@@ -176,6 +204,30 @@ EXERCISES: tuple[Exercise, ...] = (
             ),
             "below stands the area in either, once": lambda a, b, areas: (
                 areas[a & b].sum() / (areas[a].sum() + areas[b].sum())
+            ),
+        },
+    ),
+    FunctionExercise(
+        name="10.8",
+        level=2,
+        signature="cheat(truth)",
+        question="Write `cheat(truth)`: from the array of the truth's labels another array of labels with an LCE below 0.001 and a mean IoU below 0.1 "
+        "that has **between 5 and 50 segments**.",
+        right=cheat,
+        cases=_rooms,
+        settle=_is_cheating,
+        why="the largest thing in pieces, and the others in one: each triangle finds one side finer.",
+        hint="LCE forgives what is finer here and coarser there, triangle by triangle; the mean IoU counts every thing once.",
+        mistakes={
+            "so few or so many segments anybody would notice: 5 to 50 are asked for": lambda truth: 0 * truth,
+            "the LCE is low enough, the mean IoU is not: most things must lose their partner": (
+                lambda truth: truth
+            ),
+            "the mean IoU is low enough, the LCE isn't: a segment must lie within one thing, or consist of whole things": (
+                lambda truth: np.arange(len(truth)) % 30
+            ),
+            "neither is met: a segment that is part of one thing and part of another costs LCE": (
+                lambda truth: np.where(np.arange(len(truth)) % 5 == 0, (truth + 1) % 30, truth)
             ),
         },
     ),
