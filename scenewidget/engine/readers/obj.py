@@ -21,6 +21,7 @@ from scenewidget.engine.readers.text import CHUNK, rows, whole_numbers, words_pe
 
 __all__ = ["read"]
 
+AT_ONCE = 1 << 16  # polygons whose texture is looked up together
 MAX_LIBRARY = 1 << 24  # bytes of a material library
 OPTIONS = {  # of map_Kd, and how many words follow each
     "-blendu": 1, "-blendv": 1, "-boost": 1, "-mm": 2, "-o": 3, "-s": 3, "-t": 3, "-texres": 1, "-clamp": 1,
@@ -48,6 +49,7 @@ def read(path: Path, notes: Notes) -> Scan:
         text = re.sub(rb"^[ \t]+", b"", data.tobytes(), flags=re.MULTILINE)
         data = np.frombuffer(bytearray(text), dtype=np.uint8)
     lines = _Lines(data)
+    del data  # which lines may let go
     try:
         return _read(path, lines, notes)
     except MeshError as error:
@@ -88,6 +90,10 @@ class _Lines:
             spans = zip(self.starts[some[runs]].tolist(), self.ends[some[last]].tolist())
             yield b"\n".join([self.data.data[a:b] for a, b in spans])
 
+    def let_go(self) -> None:
+        """Free the text, which isn't needed any more, and what is known of its lines."""
+        vars(self).clear()
+
     def words(self, which: BoolArray) -> list[str]:
         """What stands behind the first word of these lines."""
         spans = zip(self.starts[which].tolist(), self.ends[which].tolist())
@@ -112,11 +118,17 @@ def _read(path: Path, lines: _Lines, notes: Notes) -> Scan:
         )
     scan.counts = None if (faces.counts == 3).all() else faces.counts
     if has_materials:
+        number = {name: k for k, name in enumerate(dict.fromkeys(materials))}
         line_of_material = np.flatnonzero(lines.is_material)
         used = np.searchsorted(line_of_material, np.flatnonzero(lines.is_face)) - 1
+        code = np.array([*(number[name] for name in materials), -1], dtype=np.int32)[used]
         uv = _from_zero(faces.texture, faces.counts, lines.is_face, lines.is_texture)
+        coordinates = _coordinates(lines)
+        lines.let_go()
         known = _library(path, libraries, notes)
-        scan.colors = _material_colors(path, scan, faces, uv, lines, materials, used, known, notes)
+        scan.colors = _material_colors(
+            path, scan, faces.counts, uv, coordinates, list(number), code, known, notes
+        )
     return scan
 
 
@@ -288,52 +300,55 @@ def _find(path: Path, name: str) -> Path | None:
     return folder.get(parts[-1].lower())
 
 
+def _coordinates(lines: _Lines) -> FloatArray:
+    """(n, 2) coordinates in textures."""
+    values, width = rows(lines.pieces(lines.is_texture, 2))
+    if len(width) == 0 or width.min() < 2:
+        return np.zeros((0, 2))
+    return np.asarray(values[(np.cumsum(width) - width)[:, None] + np.arange(2)])
+
+
 def _material_colors(
     path: Path,
     scan: Scan,
-    faces: _Faces,
+    counts: IntArray,
     uv_index: IntArray,
-    lines: _Lines,
+    coordinates: FloatArray,
     names: list[str],
-    used: IntArray,
+    material: IntArray,
     known: dict[str, _Material],
     notes: Notes,
 ) -> ByteArray | None:
     """Vertex colours out of materials; those of the vertices where a material says nothing."""
-    uv, width = rows(lines.pieces(lines.is_texture, 2))
-    coordinates = np.zeros((0, 2))
-    if len(width) and width.min() >= 2:
-        coordinates = uv[(np.cumsum(width) - width)[:, None] + np.arange(2)]
-    material_of_corner = np.repeat(used, faces.counts)
-    sides = np.repeat(faces.counts, faces.counts)
+    code, sides = np.repeat(material, counts), np.repeat(counts, counts)
     colors = np.zeros((len(scan.corners), 3), dtype=np.uint8)
     is_known = np.zeros(len(scan.corners), dtype=bool)
     pictures: dict[str, Any] = {}
-    number = {name: k for k, name in enumerate(dict.fromkeys(names))}
-    code = np.array([*(number[name] for name in names), -1])[material_of_corner]
-    for name, k in number.items():
-        material = known.get(name)
-        if material is None:
+    for k, name in enumerate(names):
+        made_of = known.get(name)
+        if made_of is None:
             notes.say(f"material {name[:60]!r} is in no library: what it colours has no colours", warn=True)
             continue
         mine = code == k
-        picture = material.picture
+        picture = made_of.picture
         if picture and len(coordinates):
             if picture not in pictures:
                 found = _find(path, picture)
                 pictures[picture] = open_image(found or path.with_name("?"), picture, notes)
             if pictures[picture] is None:
                 continue
-            wrap = "clamp" if material.is_clamped else "repeat"
+            wrap = "clamp" if made_of.is_clamped else "repeat"
             texture = Texture(pictures[picture], wrap=(wrap, wrap))
             usable = mine & (uv_index >= 0) & (uv_index < len(coordinates))
             for n in np.unique(sides[usable]).tolist():
-                polygon = _whole_polygons(usable & (sides == n), n)
-                places = coordinates[uv_index[polygon]] * material.scale + material.offset
-                colors[polygon] = texture.at(places.reshape(-1, n, 2)).reshape(-1, 3)
-                is_known[polygon] = True
-        elif material.color is not None and not picture:
-            colors[mine] = np.clip(np.round(255 * np.nan_to_num(np.array(material.color))), 0, 255)
+                whole = _whole_polygons(usable & (sides == n), n)
+                for start in range(0, len(whole), AT_ONCE * n):
+                    polygon = whole[start : start + AT_ONCE * n]
+                    places = coordinates[uv_index[polygon]] * made_of.scale + made_of.offset
+                    colors[polygon] = texture.at(places.reshape(-1, n, 2)).reshape(-1, 3)
+                    is_known[polygon] = True
+        elif made_of.color is not None and not picture:
+            colors[mine] = np.clip(np.round(255 * np.nan_to_num(np.array(made_of.color))), 0, 255)
             is_known |= mine
     if scan.colors is not None and not pictures:  # colours of its own tell more than one for all
         return scan.colors
@@ -347,7 +362,9 @@ def _material_colors(
 
 def _whole_polygons(which: BoolArray, n: int) -> IntArray:
     """Corners, of polygons with n of them, of those that are chosen as a whole."""
-    index = np.flatnonzero(which)
+    index: IntArray = np.arange(len(which), dtype=np.int32)
+    if not which.all():
+        index = index[which]
     if len(index) % n == 0 and (np.diff(index.reshape(-1, n), axis=1) == 1).all():
         return index
     keep = []
