@@ -22,6 +22,7 @@ from scenewidget.engine.items import Items
 from scenewidget.engine.kmedoids import Ties, alternate, initial_medoids
 from scenewidget.engine.mesh import FloatArray, IntArray, connected_components
 from scenewidget.engine.monitor import SILENT, Monitor
+from scenewidget.engine.scale import own_frame
 
 __all__ = ["MemberInit", "felzenszwalb_members", "given_members", "k_medoids_members", "merge_flat"]
 
@@ -109,10 +110,13 @@ def k_medoids_members(
         else:
             k = int(rng.integers(k_range[0], k_range[1] + 1))
         medoids = []
+        offset = (
+            rng.random() if init == "even" else 0.0
+        )  # one for all: a scene among others is as it is alone
         for inside, count in zip(members, allocate(k, share, size)):
             if init == "even":
                 along = inside[np.argsort(curve[inside])]
-                medoids.append(along[_by_area(items.areas[along], int(count), rng.random())])
+                medoids.append(along[_by_area(items.areas[along], int(count), offset)])
             elif init == "random":
                 medoids.append(rng.choice(inside, size=count, replace=False))
             else:
@@ -187,6 +191,7 @@ def felzenszwalb_members(
     costs = edge_costs(items.normals, items.pairs, a=1.0, b=-1.0, exponent=cost_exponent)
 
     lengths = np.maximum(items.seam_edges, 1)
+    home = items.island[items.pairs[:, 0]]
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(1_000_000,)))
     places = np.empty((2, n_runs))
     for kind in (0, 1):
@@ -199,7 +204,7 @@ def felzenszwalb_members(
         alpha = convex_weight[0] + places[0, i] * (convex_weight[1] - convex_weight[0])
         c = float(np.exp(low + places[1, i] * (high - low)))
         weights = np.where(items.is_convex, alpha * costs, costs) + hop
-        weights = weights * np.exp(jitter * rng.standard_normal(len(weights)))
+        weights = weights * np.exp(jitter * _draws(rng, home))
         if i % 2:
             return join_along_seams(
                 items.pairs, weights, lengths, threshold=SEAM_THRESHOLD * c, sizes=items.sizes
@@ -209,6 +214,15 @@ def felzenszwalb_members(
     keys = np.empty((items.n, n_runs), dtype=np.int32)
     _collect(run, range(n_runs), keys, n_threads, monitor)
     return keys
+
+
+def _draws(rng: np.random.Generator, home: IntArray) -> FloatArray:
+    """(n_pairs,) from the normal distribution, the same first ones for the pairs of each island."""
+    place = np.empty(len(home), dtype=np.int64)
+    order = np.argsort(home, kind="stable")
+    count = np.bincount(home)
+    place[order] = np.arange(len(home)) - np.repeat(np.cumsum(count) - count, count)
+    return rng.standard_normal(int(count.max(initial=0)))[place]
 
 
 def _evenly(place: IntArray, start: FloatArray) -> FloatArray:
@@ -226,9 +240,13 @@ def _evenly(place: IntArray, start: FloatArray) -> FloatArray:
 
 
 def _curve(items: Items) -> IntArray:
-    """(n,) place of each item along a curve through the scene: neighbours are mostly near."""
+    """(n,) place of each item along a curve through its own scene: neighbours are mostly near."""
     place = np.empty(items.n, dtype=np.int64)
-    place[along_curve(items.centroids)] = np.arange(items.n)
+    for island in range(len(items.scales)):
+        inside = np.flatnonzero(items.island == island)
+        points = items.centroids[inside]
+        order = along_curve(points @ own_frame(points, items.areas[inside]))
+        place[inside[order]] = np.arange(len(inside))
     return place
 
 

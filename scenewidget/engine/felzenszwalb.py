@@ -12,8 +12,8 @@ import numpy as np
 
 from scenewidget.engine.atoms import by_first_appearance
 from scenewidget.engine.kernels import kernel
-from scenewidget.engine.mesh import FloatArray, IntArray
-from scenewidget.engine.seam_lists import ascending, joined_along_seams
+from scenewidget.engine.mesh import FloatArray, IntArray, ascending
+from scenewidget.engine.seam_lists import joined_along_seams
 
 __all__ = ["Grown", "grown_pieces", "join_along_seams", "join_light_edges", "without_small"]
 
@@ -46,7 +46,7 @@ def join_light_edges(
     sizes : (n_items,) float, optional
         Size of each item; 1 each by default, so that a size is a count.
     order : (n_pairs,) int, optional
-        `seam_lists.ascending` of the weights, where the caller has it already.
+        `mesh.ascending` of the weights, where the caller has it already.
 
     Returns
     -------

@@ -34,7 +34,7 @@ from scenewidget.engine.mesh import (
 from scenewidget.engine.moments import Moments, group_moments, mean_normals, moment_origin
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.preprocess import filter_normals, simplify
-from scenewidget.engine.scale import far_apart, geometric_order, scene_scale
+from scenewidget.engine.scale import far_apart, geometric_order, own_frame, scene_scale
 from scenewidget.engine.threads import n_threads
 
 __all__ = ["Items", "Touching", "find_bridges", "patch_items", "simplified_items", "superfacet_items"]
@@ -409,18 +409,24 @@ def superfacet_items(
     total = float(mesh.face_areas.sum())
     if not total > 0:
         raise MeshError("the mesh has no face with an area: it has no surface to segment")
-    order = geometric_order(mesh)
+    _ = mesh.face_normals, mesh.face_centroids  # wanted of both: to put them in order is less work than anew
+    whole = scene_scale(total) if scale == "auto" else float(scale)
+    island = monitor.call(far_apart, mesh, pairs, apart * whole)
+    areas = np.bincount(island, mesh.face_areas)
+    island = np.where(areas[island] >= max(SCENE, 100 / n_items) * total, island, 0).astype(np.int32)
+    frames, orders = [], []
+    for i in range(int(island.max()) + 1):
+        faces = np.flatnonzero(island == i)
+        alone = mesh if len(faces) == mesh.n_faces else mesh.part(faces)
+        frames.append(monitor.call(own_frame, alone.face_centroids, alone.face_areas))
+        orders.append(faces[monitor.call(geometric_order, alone, frames[-1])])
+    order = np.concatenate(orders)
+    ordered, island = mesh.chosen(order), island[order]
     place = np.empty(mesh.n_faces, dtype=np.int32)
     place[order] = np.arange(mesh.n_faces, dtype=np.int32)
     one, other = place[pairs.T].astype(np.int64)
     code = np.sort(np.minimum(one, other) * mesh.n_faces + np.maximum(one, other))
     pairs = np.stack([code // mesh.n_faces, code % mesh.n_faces], axis=1).astype(np.int32)
-    _ = mesh.face_normals, mesh.face_centroids  # wanted of both: to put them in order is less work than anew
-    ordered = mesh.chosen(order)
-    whole = scene_scale(total) if scale == "auto" else float(scale)
-    island = monitor.call(far_apart, ordered, pairs, apart * whole)
-    areas = np.bincount(island, ordered.face_areas)
-    island = np.where(areas[island] >= max(SCENE, 100 / n_items) * total, island, 0).astype(np.int32)
     areas = np.bincount(island, ordered.face_areas)
     scales = np.array([scene_scale(float(area)) if scale == "auto" else whole for area in areas])
     item, face_map = np.empty(mesh.n_faces, np.int32), np.empty(mesh.n_faces, np.int32)
@@ -438,6 +444,7 @@ def superfacet_items(
         made = _superfacets(
             ordered.chosen(faces) if len(scales) > 1 else ordered,
             inner,
+            frames[i],
             n_items=max(2, round(n_items * float(areas[i] / total))),
             item_area=item_area * s**2,
             sweeps=sweeps,
@@ -449,7 +456,7 @@ def superfacet_items(
         offset = sum(len(h) for h in homes)
         item[faces] = np.where(made.item >= 0, made.item + offset, -1)
         face_map[faces] = np.where(made.face_map >= 0, made.face_map + offset, -1)
-        normals[faces] = made.normals
+        normals[faces] = made.normals  # of faces in one island only the angles between them are asked for
         links.append(faces[made.links])
         homes.append(np.full(int(made.item.max()) + 1, i, dtype=np.int32))
         for name, value in made.report.items():
@@ -497,6 +504,7 @@ def sweeps_for(edge: float) -> int:
 def _superfacets(
     mesh: Mesh,
     pairs: IntArray,
+    frame: FloatArray,
     *,
     n_items: int,
     item_area: float,
@@ -506,10 +514,16 @@ def _superfacets(
     scale: float,
     monitor: Monitor,
 ) -> _Superfacets:
-    """Of an island; areas and lengths in metres."""
+    """Of an island; areas and lengths in metres, normals filtered along the axes of its own ``frame``.
+
+    So what float32 rounds is the same however the file turns the scan.
+    """
     if sweeps == "auto":
         sweeps = sweeps_for(float(np.sqrt(2.0 * np.median(mesh.face_areas))) / scale)
-    normals = filter_normals(mesh, pairs, sweeps=sweeps, n_threads=n_threads(), monitor=monitor)
+    turned = mesh.face_normals @ frame
+    normals = filter_normals(
+        mesh, pairs, normals=turned, sweeps=sweeps, n_threads=n_threads(), monitor=monitor
+    )
     monitor.tick(0.5)
     bridges = monitor.call(find_bridges, mesh, pairs, bridge)
     links = np.concatenate([pairs, bridges])

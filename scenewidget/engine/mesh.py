@@ -415,6 +415,25 @@ def _welded(mesh: Mesh) -> IntArray:
     return out
 
 
+def ascending(values: FloatArray | IntArray) -> IntArray:
+    """(n,) order of values, the least first, equal ones in the order they come in.
+
+    Parameters
+    ----------
+    values : (n,) float or int
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.mesh import ascending
+    >>> ascending(np.array([2.0, 1.0, 2.0])).tolist()
+    [1, 0, 2]
+    """
+    order = np.argsort(values)  # several times as fast as a stable one, which only ties want
+    ordered = values[order]
+    return np.argsort(values, kind="stable") if np.any(ordered[1:] == ordered[:-1]) else order
+
+
 def unique_codes(codes: IntArray, end: int) -> tuple[IntArray, IntArray]:
     """What ``np.unique(codes, return_inverse=True)`` gives, by counting where that is less work than sorting.
 

@@ -545,6 +545,7 @@ def filter_normals(
     mesh: Mesh,
     pairs: IntArray,
     *,
+    normals: FloatArray | None = None,
     sweeps: int = 30,
     width: float = 0.3,
     n_threads: int = 2,
@@ -560,6 +561,8 @@ def filter_normals(
     mesh : Mesh
     pairs : (n_pairs, 2) int
         Adjacent faces.
+    normals : (n_faces, 3) float, optional
+        What to filter; those of the faces by default.
     sweeps : int
         How far normals spread: about √sweeps faces.
     width : float
@@ -590,7 +593,7 @@ def filter_normals(
     monitor = monitor or SILENT
     indptr, indices = neighbor_table(mesh.n_faces, pairs)
     areas = (mesh.face_areas / max(float(mesh.face_areas.max()), 1e-300)).astype(np.float32)  # any unit fits
-    here = mesh.face_normals.astype(np.float32)
+    here = (mesh.face_normals if normals is None else normals).astype(np.float32)
     is_scattered = mesh.is_cloud or sweeps > SWEEPS_IN_FILE_ORDER
     order = along_curve(mesh.face_centroids) if is_scattered else None
     if order is not None:

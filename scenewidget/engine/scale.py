@@ -1,23 +1,30 @@
 """How large a scene is, in what order geometry puts its faces, and what is a scene of its own.
 
-Goes in: a mesh. Come out: metres in a unit of the scene, faces in an order that doesn't hang on the file, and
-which faces are so far from each other that they are different scenes. A table top is to its cups what a room
-is to its furniture: the method looks at it through the same thresholds, only smaller.
+Goes in: a mesh. Come out: metres in a unit of the scene, axes and an order of the faces that don't depend on
+the file, and which faces are so far from each other that they are different scenes. A table top is to its
+cups what a room is to its furniture: the method looks at it through the same thresholds, only smaller.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, connected_components, unique_codes
+from scenewidget.engine.kernels import kernel
+from scenewidget.engine.mesh import (
+    FloatArray,
+    IntArray,
+    Mesh,
+    ascending,
+    connected_components,
+    unique_codes,
+)
 
-__all__ = ["far_apart", "geometric_order", "scene_scale"]
+__all__ = ["far_apart", "geometric_order", "own_frame", "principal_axes", "scene_scale"]
 
 ROOM = 20.0  # m² of surface of the scene whose unit is a metre: the least of a room
+ALIKE = 1e-4  # Two axes along which a scene's spread differs by less of the whole are no axes of its own.
+STEPS = 2**20  # places told apart along a scene: far finer than a scan is, far coarser than rounding
 
 
 def scene_scale(area: float) -> float:
@@ -40,47 +47,141 @@ def scene_scale(area: float) -> float:
     return min(1.0, float(np.sqrt(area / ROOM))) if area > 0 else 1.0
 
 
-def geometric_order(mesh: Mesh) -> IntArray:
-    """(n_faces,) faces by the places of their corners, whatever their order in the file.
+def own_frame(points: FloatArray, weights: FloatArray) -> FloatArray:
+    """The axes of a scene, whatever those of its file.
 
-    Two files of one mesh whose faces or vertices are numbered differently give the same sequence of
-    triangles, so that what is computed along it is the same to the last bit.
+    They are its `principal_axes`; where two of these are alike, as those of a cube or a ball, the file's.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+    weights : (n,) float
+        Areas.
+
+    Returns
+    -------
+    axes : (3, 3) float64
+        Columns, the longest axis first: ``points @ axes``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.scale import own_frame
+    >>> points = np.array([[0.0, 0, 0], [0, 5, 0], [0, 0, 2], [1, 0, 0]])
+    >>> turned = points[:, [2, 0, 1]]
+    >>> np.allclose(points @ own_frame(points, np.ones(4)), turned @ own_frame(turned, np.ones(4)))
+    True
+    """
+    axes, spread = principal_axes(points, weights)
+    return axes if np.diff(-spread).min() > ALIKE * spread.sum() else np.eye(3)
+
+
+def principal_axes(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Along which points are spread most, next and least, and how much.
+
+    Each axis looks to the side on which there is something farther off, by the third moment; where no side
+    has it, along the file's axis nearest to it. The order of the points changes nothing.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+    weights : (n,) float
+
+    Returns
+    -------
+    axes : (3, 3) float64
+        Columns, unit.
+    spread : (3,) float64
+        Mean square distance from the middle along each.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.scale import principal_axes
+    >>> axes, spread = principal_axes(np.array([[0.0, 0, 0], [0, -5, 0], [1, 0, 0]]), np.ones(3))
+    >>> (axes[:, 0].round(1) + 0.0).tolist(), spread.round(1).tolist()
+    ([-0.1, -1.0, 0.0], [5.6, 0.2, 0.0])
+    """
+    share = (weights / max(float(_sum(weights)), 1e-300))[:, None]
+    apart = points - _sum(share * points)
+    x, y, z = apart.T
+    products = np.stack([x * x, x * y, x * z, y * y, y * z, z * z], axis=1)
+    values, axes = np.linalg.eigh(_sum(share * products)[[[0, 1, 2], [1, 3, 4], [2, 4, 5]]])
+    values, axes = np.maximum(values[::-1], 0.0), axes[:, ::-1]
+    along = apart @ axes
+    skew = _sum(share * along * along * along)
+    nearest = axes[np.abs(axes).argmax(axis=0), range(3)]
+    is_known = np.abs(skew) > ALIKE * float(values.sum()) ** 1.5
+    return axes * np.where(np.where(is_known, skew, nearest) < 0, -1.0, 1.0), values
+
+
+def _sum(values: FloatArray) -> FloatArray:
+    """Sum over the rows, so exact that their order doesn't show."""
+    columns = np.ascontiguousarray(values, dtype=np.float64).reshape(len(values), -1)
+    total = np.zeros((2, columns.shape[1]))
+    _add(columns, total)
+    return np.asarray(total.sum(axis=0).reshape(values.shape[1:]))
+
+
+@kernel
+def _add(values, total):  # type: ignore[no-untyped-def]
+    """Sums and what they were rounded by (Knuth's two-sum), both added to ``total``."""
+    for k in range(values.shape[1]):
+        high, low = total[0, k], total[1, k]
+        for i in range(values.shape[0]):
+            x = values[i, k]
+            both = high + x
+            part = both - high
+            low += (high - (both - part)) + (x - part)
+            high = both
+        total[0, k], total[1, k] = high, low
+
+
+def geometric_order(mesh: Mesh, frame: FloatArray | None = None) -> IntArray:
+    """(n_faces,) faces by the places of their corners, whatever their order in the file and its axes.
+
+    Two files of one mesh whose faces or vertices are numbered differently, or one of which is turned, give
+    the same sequence of triangles, so that what is computed along it is the same: to the last bit where
+    nothing is turned.
 
     Parameters
     ----------
     mesh : Mesh
+    frame : (3, 3) float, optional
+        `own_frame` of the mesh, where the caller has it already.
 
     Examples
     --------
     >>> import scenewidget as sw
     >>> from scenewidget.engine.scale import geometric_order
-    >>> vertices = [[5, 0, 0], [6, 0, 0], [5, 1, 0], [0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    >>> vertices = [[5, 0, 0], [6, 0, 0], [5, 1, 0], [0, 0, 0], [1, 0, 0], [0, 3, 0]]
     >>> mesh = sw.Mesh(vertices, [[0, 1, 2], [3, 4, 5]])
-    >>> geometric_order(mesh).tolist()  # the face farther left comes first
-    [1, 0]
+    >>> turned = sw.Mesh(mesh.vertices[:, [1, 2, 0]], mesh.faces)
+    >>> geometric_order(mesh).tolist() == geometric_order(turned).tolist()
+    True
     """
-    (x, _), (y, n_y), (z, n_z) = (_ranks(along) for along in mesh.vertices.T)
-    place, n = _ranks(_ranks(x * n_y + y)[0] * n_z + z)
+    axes = own_frame(mesh.face_centroids, mesh.face_areas) if frame is None else frame
+    along = mesh.vertices @ axes
+    along = along - along.min(axis=0, initial=0.0)
+    step = max(float(along.max(initial=0.0)) / STEPS, 1e-300)
+    x, y, z = np.round(along / step).astype(np.int64).T
+    code = (x << 42) | (y << 21) | z
+    order = np.argsort(code)
+    is_new = np.diff(code[order]) > 0
+    apart = np.any(mesh.vertices[order[1:]] != mesh.vertices[order[:-1]], axis=1)
+    if np.any(apart & ~is_new):
+        order = np.lexsort((*mesh.vertices.T, code))
+        is_new = np.any(mesh.vertices[order[1:]] != mesh.vertices[order[:-1]], axis=1)
+    place = np.empty(mesh.n_vertices, dtype=np.int64)
+    place[order] = np.concatenate([[0], np.cumsum(is_new)])
     if mesh.is_cloud:
-        return np.argsort(place, kind="stable").astype(np.int32)
+        return ascending(place).astype(np.int32)
     a, b, c = place[mesh.faces].T  # whichever corner a face begins with
     low, high = np.minimum(a, b), np.maximum(a, b)
     first, second, third = np.minimum(low, c), np.maximum(low, np.minimum(high, c)), np.maximum(high, c)
-    pair = first * n + second
-    code = (pair if n < 2_000_000 else _ranks(pair)[0]) * n + third  # fits in 64 bits
-    order = np.argsort(code)
-    if (code[order][1:] == code[order][:-1]).any():  # faces at one place stay in their order
-        order = np.argsort(code, kind="stable")
-    return order.astype(np.int32)
-
-
-def _ranks(values: npt.NDArray[Any]) -> tuple[IntArray, int]:
-    """(n,) int64 how many distinct values are smaller, and how many there are."""
-    order = np.argsort(values)
-    ordered = values[order]
-    ranks = np.zeros(len(values), dtype=np.int64)
-    ranks[order[1:]] = np.cumsum(ordered[1:] != ordered[:-1])
-    return ranks, int(ranks[order[-1]]) + 1
+    if mesh.n_vertices >= 2_000_000:
+        return np.lexsort((third, second, first)).astype(np.int32)
+    return ascending((first * mesh.n_vertices + second) * mesh.n_vertices + third).astype(np.int32)
 
 
 def far_apart(mesh: Mesh, pairs: IntArray, gap: float) -> IntArray:

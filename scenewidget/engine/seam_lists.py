@@ -12,9 +12,9 @@ from __future__ import annotations
 import numpy as np
 
 from scenewidget.engine.kernels import kernel
-from scenewidget.engine.mesh import FloatArray, IntArray
+from scenewidget.engine.mesh import FloatArray, IntArray, ascending
 
-__all__ = ["ascending", "insert", "joined_along_seams", "remove"]
+__all__ = ["insert", "joined_along_seams", "remove"]
 
 WAITING = -1  # place in the heap of a seam that comes again when it or a limit changes
 UNCHANGED = -2  # of one that comes in the order of the start
@@ -82,25 +82,6 @@ def joined_along_seams(
     while not np.array_equal(roots, roots[roots]):
         roots = roots[roots]
     return roots
-
-
-def ascending(values: FloatArray) -> IntArray:
-    """(n,) order of values, the least first, equal ones in the order they come in.
-
-    Parameters
-    ----------
-    values : (n,) float
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from scenewidget.engine.seam_lists import ascending
-    >>> ascending(np.array([2.0, 1.0, 2.0])).tolist()
-    [1, 0, 2]
-    """
-    order = np.argsort(values)  # several times as fast as a stable one, which only ties want
-    ordered = values[order]
-    return np.argsort(values, kind="stable") if np.any(ordered[1:] == ordered[:-1]) else order
 
 
 @kernel

@@ -61,6 +61,7 @@ from scenewidget.engine.threads import n_threads
 
 __all__ = ["TITLES", "Stage", "stages"]
 
+MEDOIDS_WEIGHT = 2  # graph runs that a k-medoids run counts as, in an ensemble of both
 MOST_GB = 1.5  # of distances, which are remembered up to here, and beyond made anew whenever they are used
 
 TITLES = {  # what people read while a step runs
@@ -203,7 +204,8 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
          k_range=p.k_bounds, n_runs=p.n_runs, init=p.init, ties=p.medoid_ties, seed=p.seed,
          merge=(p.merge_flatness, p.merge_normal, p.merge_seam) if p.merge else None)
 
-    step("coassociation", _coassociation, "items", "ensemble")
+    step("coassociation", _coassociation, "items", "ensemble",
+         n_heavy=p.n_runs if p.n_graph_runs else 0)
     if p.consensus == "linkage":
         step("tree", _tree, "coassociation")
         step("consensus", _consensus_by_linkage, "tree", variant="linkage",
@@ -392,8 +394,10 @@ def _ensemble(
 # --- the consensus --------------------------------------------------------------------------------
 
 
-def _coassociation(items: Items, keys: IntArray, *, monitor: Monitor) -> CoAssociation:
-    return co_association(keys, items.areas, n_threads=n_threads())
+def _coassociation(items: Items, keys: IntArray, *, monitor: Monitor, n_heavy: int) -> CoAssociation:
+    """The first ``n_heavy`` runs count as `MEDOIDS_WEIGHT` others each."""
+    times = np.where(np.arange(keys.shape[1]) < n_heavy, MEDOIDS_WEIGHT, 1)
+    return co_association(np.repeat(keys, times, axis=1), items.areas, n_threads=n_threads())
 
 
 def _tree(co: CoAssociation, *, monitor: Monitor) -> FloatArray:

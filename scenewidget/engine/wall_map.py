@@ -13,6 +13,7 @@ import numpy as np
 from scenewidget.engine.items import Items
 from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
+from scenewidget.engine.scale import principal_axes
 
 __all__ = ["Seams", "WallMap", "nearest", "wall_maps"]
 
@@ -169,10 +170,10 @@ def _points(items: Items, members: IntArray, values: FloatArray | None) -> _Poin
     area = items.mesh.face_areas[faces]
     position = items.mesh.face_centroids[faces]
     position -= np.average(position, axis=0, weights=area)  # a product's last bits depend on BLAS' threads
-    _, axes = np.linalg.eigh((area[:, None] * position).T @ position)
-    foot = np.ascontiguousarray(axes[:, 1:].T @ position.T)
+    axes, _ = principal_axes(position, area)
+    foot = np.ascontiguousarray(axes[:, :2].T @ position.T)
     mapped = np.empty((1 if values is None else 1 + len(values), len(faces)))
-    mapped[0] = position @ axes[:, 0]
+    mapped[0] = position @ axes[:, 2]  # either side may be up
     if values is not None:
         np.take(values, faces, axis=1, out=mapped[1:])
     return _Points(foot, mapped, area, items.item_of_face[faces])

@@ -15,7 +15,7 @@ from scenewidget.widget.worker import Newest
 
 __all__ = ["Previewer", "coarser", "preview_params"]
 
-N_RUNS, N_GRAPH_RUNS = 6, 10  # of a preview
+N_RUNS, N_GRAPH_RUNS = 6, 20  # of a preview
 N_SIMPLIFIED = (
     2_000  # a preview has at most so many faces: distances between all pairs of 10 000 take seconds
 )

@@ -418,6 +418,15 @@ def test_place_and_order_of_faces_change_no_segment_of_a_noisy_room(params):
     assert adjusted_rand_score(parts[order], shuffled.labels) == 1.0
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_a_turned_scan_has_the_same_segments_face_by_face(seed):
+    """Not only the right ones: whatever the default makes of noise, it makes of it however a scan lies."""
+    mesh, _ = shapes.room(10, noise=0.008)
+    params = FAST.replace(n_segments=9)  # more than there is to tell apart
+    turned = Mesh(mesh.vertices @ shapes.rotation(seed).T, mesh.faces)
+    assert (segment(turned, params).labels == segment(mesh, params).labels).all()
+
+
 @pytest.mark.parametrize("n_items", [500, 3000])
 @pytest.mark.parametrize("factor", [0.125, 8.0])
 def test_the_preset_of_the_thesis_knows_no_unit_of_length(factor, n_items):

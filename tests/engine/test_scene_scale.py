@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scenewidget.engine.mesh import Mesh, face_adjacency
-from scenewidget.engine.scale import far_apart, geometric_order, scene_scale
+from scenewidget.engine.scale import far_apart, geometric_order, own_frame, principal_axes, scene_scale
 
 
 def test_rooms_are_measured_in_metres_and_tables_by_their_own_size():
@@ -34,6 +34,41 @@ def test_the_order_is_the_same_however_a_file_numbers_things(seed):
     again = Mesh(vertices, turned)
     centers = mesh.face_centroids[geometric_order(mesh)]
     np.testing.assert_allclose(again.face_centroids[geometric_order(again)], centers, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_order_is_the_same_however_a_file_turns_the_scan(seed):
+    mesh = shapes.room(6, noise=0.004)[0]
+    turned = Mesh(mesh.vertices @ shapes.rotation(seed).T + [3.0, -8.0, 1.0], mesh.faces)
+    assert geometric_order(turned).tolist() == geometric_order(mesh).tolist()
+
+
+@settings(deadline=None, max_examples=50)
+@given(st.integers(0, 2**32 - 1))
+def test_axes_turn_with_the_points_and_do_not_hear_of_their_order(seed):
+    rng = np.random.default_rng(seed)
+    points, weights = rng.gamma(2.0, size=(40, 3)) * (3.0, 2.0, 1.0), rng.random(40)
+    axes, spread = principal_axes(points, weights)
+    np.testing.assert_allclose(axes.T @ axes, np.eye(3), atol=1e-12)
+    values = np.linalg.eigvalsh(np.cov(points.T, aweights=weights, bias=True))
+    np.testing.assert_allclose(spread, values[::-1], rtol=1e-9)
+    assert (((points - np.average(points, axis=0, weights=weights)) @ axes) ** 3 * weights[:, None]).sum(
+        axis=0
+    ).min() > -1e-3 * spread.sum() ** 1.5  # each looks to where something is farther off
+    R = shapes.rotation(seed % 1000)
+    np.testing.assert_allclose(
+        points @ own_frame(points, weights), (points @ R.T) @ own_frame(points @ R.T, weights), atol=1e-9
+    )
+    order = rng.permutation(40)
+    assert (principal_axes(points[order], weights[order])[0] == axes).all()  # to the last bit
+
+
+def test_what_has_no_axes_of_its_own_keeps_those_of_its_file():
+    box = shapes.box(4)
+    assert (own_frame(box.face_centroids, box.face_areas) == np.eye(3)).all()
+    axes, spread = principal_axes(np.ones((4, 3)), np.zeros(4))  # nothing, and without weight
+    assert spread.max() == 0
+    np.testing.assert_allclose(axes.T @ axes, np.eye(3), atol=1e-12)
 
 
 @pytest.mark.parametrize(("distance", "n"), [(0.5, 1), (2.5, 2)])

@@ -41,7 +41,7 @@ def test_another_cost_makes_a_small_ensemble_of_the_same_items():
     pipe.run(SMALL)
     params = preview_params(pipe, SMALL.replace(cost_exponent=1.5), SMALL)
     assert params == coarser(SMALL.replace(cost_exponent=1.5, relief=0.0, contrast=0.0))
-    assert pipe.get("ensemble", params).shape[1] == 16
+    assert pipe.get("ensemble", params).shape[1] == 6 + SMALL.n_graph_runs
     assert pipe.get("items", params) is pipe.get("items", SMALL)
 
 
