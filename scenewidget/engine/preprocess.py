@@ -39,7 +39,7 @@ __all__ = ["Simplified", "filter_normals", "keep_components", "neighbor_table", 
 
 Simplifier = Literal["fast", "qslim"]
 _FAST_EDGE = 0.02  # mean length that fast-simplification is given: its thresholds are absolute, for metres
-SWEEPS_IN_FILE_ORDER = 60  # of the normal filter; for more, and for clouds, an order of the faces pays
+PLAIN_SWEEPS, SUPER_STEPS = 6, 4  # of the normal filter: first so many alone, the others in so many groups
 MOST_CUT = 0.1  # share of the sides of faces; raw scans have up to 0.01
 _FAST_SIMPLIFICATION = threading.Lock()  # the library keeps its mesh in a global variable
 
@@ -564,7 +564,8 @@ def filter_normals(
     normals : (n_faces, 3) float, optional
         What to filter; those of the faces by default.
     sweeps : int
-        How far normals spread: about √sweeps faces.
+        How far normals spread: about √sweeps faces. Of more than 14 not all are made one by one: 18 do
+        nearly what 30 would, 42 what 175 would.
     width : float
         Difference 1 − N_i·N_j from which a neighbour hardly counts; 0.3 is 46°.
     n_threads : int
@@ -579,7 +580,8 @@ def filter_normals(
 
     References
     ----------
-    Bilateral normal filtering: Zheng, Fu, Au and Tai (2011), IEEE TVCG 17(10).
+    Bilateral normal filtering: Zheng, Fu, Au and Tai (2011), IEEE TVCG 17(10). Far diffusion by few sweeps:
+    Meyer, Balsara and Aslam (2014), J. Comput. Phys. 257, the scheme of first order.
 
     Examples
     --------
@@ -594,17 +596,17 @@ def filter_normals(
     indptr, indices = neighbor_table(mesh.n_faces, pairs)
     areas = (mesh.face_areas / max(float(mesh.face_areas.max()), 1e-300)).astype(np.float32)  # any unit fits
     here = (mesh.face_normals if normals is None else normals).astype(np.float32)
-    is_scattered = mesh.is_cloud or sweeps > SWEEPS_IN_FILE_ORDER
-    order = along_curve(mesh.face_centroids) if is_scattered else None
+    steps, width32 = _super_steps(sweeps), np.float32(width)
+    order = along_curve(mesh.face_centroids) if mesh.is_cloud else None  # neighbours near in memory
     if order is not None:
         here, areas, (indptr, indices) = here[order], areas[order], _reordered(indptr, indices, order)
     there = here.copy()
     bounds = np.linspace(0, mesh.n_faces, n_threads + 1).astype(np.int64)
     with ThreadPoolExecutor(n_threads) as pool:
-        for sweep in range(sweeps):
-            monitor.tick(sweep / sweeps)
+        for done, step in enumerate(steps):
+            monitor.tick(done / len(steps))
             jobs = [
-                pool.submit(_sweep, here, there, areas, indptr, indices, np.float32(width), start, stop)
+                pool.submit(_sweep, here, there, areas, indptr, indices, width32, *step, start, stop)
                 for start, stop in itertools.pairwise(bounds)
             ]
             for job in jobs:
@@ -626,23 +628,56 @@ def _reordered(indptr: IntArray, indices: IntArray, order: IntArray) -> tuple[In
     return starts, place[indices[source]]
 
 
+def _super_steps(sweeps: int) -> list[tuple[np.float32, np.float32, np.float32]]:
+    """Shares of the last state, the one before and the change in each sweep that is made.
+
+    The first sweeps are plain, while noise goes and creases are found. What follows is slow diffusion along
+    the surface: of it, s sweeps of Runge, Kutta and Legendre do what s (s + 1) / 2 plain ones do, as stably.
+    """
+    one, none = np.float32(1.0), np.float32(0.0)
+    left = sweeps - PLAIN_SWEEPS
+    if left <= 2 * SUPER_STEPS:  # nothing to gain
+        return [(one, none, one)] * sweeps
+    steps = [(one, none, one)] * PLAIN_SWEEPS
+    reach = left / SUPER_STEPS
+    for _ in range(SUPER_STEPS):
+        s = int(np.ceil(np.sqrt(2.0 * reach + 0.25) - 0.5))
+        for j in range(1, s + 1):
+            share = (2 * j - 1) / j
+            change = 2.0 * share * reach / (s * (s + 1))
+            steps.append((np.float32(share), np.float32((1 - j) / j), np.float32(change)))
+    return steps
+
+
 # reordered or fused arithmetic (all of fastmath) is hardly faster, and differs from processor to processor
 @kernel(fastmath={"nnan", "ninf", "nsz"})
-def _sweep(here, there, areas, indptr, indices, width, start, stop):  # type: ignore[no-untyped-def]
+def _sweep(  # type: ignore[no-untyped-def]
+    here, there, areas, indptr, indices, width, last, before, change, start, stop,
+):  # fmt: skip
+    """``there`` becomes unit(last · here + before · there + change · (unit(sum) − here))."""
+    one = np.float32(1.0)
     for i in range(start, stop):
-        x, y, z = here[i, 0], here[i, 1], here[i, 2]
+        x, y, z, area = here[i, 0], here[i, 1], here[i, 2], areas[i]
         is_blank = x * x + y * y + z * z == 0.0
-        sx, sy, sz = areas[i] * x, areas[i] * y, areas[i] * z
+        sx, sy, sz = area * x, area * y, area * z
         for e in range(indptr[i], indptr[i + 1]):
             j = indices[e]
             u, v, w = here[j, 0], here[j, 1], here[j, 2]
-            step = (np.float32(1.0) - x * u - y * v - z * w) / width
-            weight = areas[j] * (np.float32(1.0) if is_blank else np.exp(-step * step))
+            step = (one - x * u - y * v - z * w) / width
+            weight = areas[j] * (one if is_blank else np.exp(-step * step))
             sx += weight * u
             sy += weight * v
             sz += weight * w
         length = np.sqrt(sx * sx + sy * sy + sz * sz)
         if length > 0.0:
-            there[i, 0], there[i, 1], there[i, 2] = sx / length, sy / length, sz / length
+            sx, sy, sz = sx / length, sy / length, sz / length
         else:
-            there[i, 0], there[i, 1], there[i, 2] = x, y, z
+            sx, sy, sz = x, y, z
+        if change != one:
+            sx = last * x + before * there[i, 0] + change * (sx - x)
+            sy = last * y + before * there[i, 1] + change * (sy - y)
+            sz = last * z + before * there[i, 2] + change * (sz - z)
+            length = np.sqrt(sx * sx + sy * sy + sz * sz)
+            if length > 0.0:
+                sx, sy, sz = sx / length, sy / length, sz / length
+        there[i, 0], there[i, 1], there[i, 2] = sx, sy, sz
