@@ -93,7 +93,7 @@ def segment_tiles(
     parts = [np.flatnonzero(_within(centers, box, overlap)) for box in boxes]
     params = params or Params()
     if params.scale == "auto":
-        params = params.replace(scale=scene_scale(float(mesh.face_areas.sum())))
+        params = params.replace(scale=scene_scale(mesh))
     tasks = ((mesh.part(faces), params) for faces in parts)
     found: dict[int, tuple[IntArray, FloatArray]] = {}
     for k, result in _done(tasks, client):

@@ -339,7 +339,7 @@ def simplified_items(
     simplified = simplify(mesh, pairs, monitor=monitor, **options)
     small = simplified.mesh
     item_of_face = np.arange(small.n_faces, dtype=np.int32)
-    s = scene_scale(float(mesh.face_areas.sum())) if scale == "auto" else float(scale)
+    s = scene_scale(mesh) if scale == "auto" else float(scale)
     return patch_items(
         small,
         item_of_face,
@@ -410,16 +410,22 @@ def superfacet_items(
     if not total > 0:
         raise MeshError("the mesh has no face with an area: it has no surface to segment")
     _ = mesh.face_normals, mesh.face_centroids  # wanted of both: to put them in order is less work than anew
-    whole = scene_scale(total) if scale == "auto" else float(scale)
+    frame = monitor.call(own_frame, mesh.face_centroids, mesh.face_areas)
+    whole = scene_scale(mesh, frame) if scale == "auto" else float(scale)
     island = monitor.call(far_apart, mesh, pairs, apart * whole)
     areas = np.bincount(island, mesh.face_areas)
     island = np.where(areas[island] >= max(SCENE, 100 / n_items) * total, island, 0).astype(np.int32)
-    frames, orders = [], []
-    for i in range(int(island.max()) + 1):
-        faces = np.flatnonzero(island == i)
-        alone = mesh if len(faces) == mesh.n_faces else mesh.part(faces)
-        frames.append(monitor.call(own_frame, alone.face_centroids, alone.face_areas))
-        orders.append(faces[monitor.call(geometric_order, alone, frames[-1])])
+    frames, units, orders = [frame], [whole], []
+    if not island.any():
+        orders.append(monitor.call(geometric_order, mesh, frame))
+    else:
+        frames, units = [], []
+        for i in range(int(island.max()) + 1):
+            faces = np.flatnonzero(island == i)
+            alone = mesh.part(faces)
+            frames.append(monitor.call(own_frame, alone.face_centroids, alone.face_areas))
+            units.append(scene_scale(alone, frames[-1]) if scale == "auto" else whole)
+            orders.append(faces[monitor.call(geometric_order, alone, frames[-1])])
     order = np.concatenate(orders)
     ordered, island = mesh.chosen(order), island[order]
     place = np.empty(mesh.n_faces, dtype=np.int32)
@@ -428,7 +434,7 @@ def superfacet_items(
     code = np.sort(np.minimum(one, other) * mesh.n_faces + np.maximum(one, other))
     pairs = np.stack([code // mesh.n_faces, code % mesh.n_faces], axis=1).astype(np.int32)
     areas = np.bincount(island, ordered.face_areas)
-    scales = np.array([scene_scale(float(area)) if scale == "auto" else whole for area in areas])
+    scales = np.array(units)
     item, face_map = np.empty(mesh.n_faces, np.int32), np.empty(mesh.n_faces, np.int32)
     normals = np.empty((mesh.n_faces, 3), np.float32)
     links: list[IntArray] = []

@@ -139,8 +139,9 @@ class Params:
         "superfacets" of the raw mesh, or faces of the "simplified" one. Thesis: "simplified".
     scale : float or "auto"
         Metres in a unit of the scene. "auto" is that of `scale.scene_scale`: 1 for rooms, less for what is
-        smaller, so that a table top is seen as a room is; parts of the scan that are far apart have units of
-        their own. All other lengths here count in this unit, areas in its square. Thesis: 1, all in metres.
+        smaller, so that a table top is seen as a room is, more for halls; parts of the scan that are far
+        apart have units of their own. All other lengths here count in this unit, areas in its square. Thesis:
+        1, all in metres.
     n_items : int
         Most items. Thesis: 10 000.
     item_area : float

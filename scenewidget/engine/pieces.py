@@ -114,7 +114,7 @@ def make_pieces(
     labels, base : (n_faces,) int
         Segment and base segment of each face, −1 for none.
     scale : float, optional
-        Metres in a unit of the scene; by default that of its surface, see `scale.scene_scale`.
+        Metres in a unit of the scene; by default `scale.scene_scale`.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def make_pieces(
     >>> make_pieces(mesh, left, left).length.tolist()
     [1.0]
     """
-    scale = scene_scale(float(mesh.face_areas.sum())) if scale is None else scale
+    scale = scene_scale(mesh) if scale is None else scale
     keep = (labels >= 0) & (base >= 0)
     n_labels = int(labels.max(initial=-1)) + 1
     code = base[keep].astype(np.int64) * n_labels + labels[keep]

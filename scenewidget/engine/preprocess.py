@@ -603,10 +603,12 @@ def filter_normals(
     there = here.copy()
     bounds = np.linspace(0, mesh.n_faces, n_threads + 1).astype(np.int64)
     with ThreadPoolExecutor(n_threads) as pool:
-        for done, step in enumerate(steps):
+        for done, (last, before, change) in enumerate(steps):
             monitor.tick(done / len(steps))
             jobs = [
-                pool.submit(_sweep, here, there, areas, indptr, indices, width32, *step, start, stop)
+                pool.submit(
+                    _sweep, here, there, areas, indptr, indices, width32, last, before, change, start, stop
+                )
                 for start, stop in itertools.pairwise(bounds)
             ]
             for job in jobs:

@@ -22,29 +22,58 @@ from scenewidget.engine.mesh import (
 
 __all__ = ["far_apart", "geometric_order", "own_frame", "principal_axes", "scene_scale"]
 
-ROOM = 20.0  # m² of surface of the scene whose unit is a metre: the least of a room
+ROOM_AREA = 20.0  # m² of surface: of a room at least
+ROOM_LENGTH, ROOM_HEIGHT = 4.8, 2.5  # m
 ALIKE = 1e-4  # Two axes along which a scene's spread differs by less of the whole are no axes of its own.
 STEPS = 2**20  # places told apart along a scene: far finer than a scan is, far coarser than rounding
 
 
-def scene_scale(area: float) -> float:
-    """Metres in a unit of a scene with so much surface: 1 for rooms, less for what is smaller.
+def scene_scale(mesh: Mesh, frame: FloatArray | None = None) -> float:
+    """Metres in a unit of a scene: 1 for rooms, whatever their size in rooms; less for what is smaller.
 
-    s = min(1, √(area / 20 m²)). Lengths in `Params` count in units of s, areas in units of s²; those of a
-    room are metres. Several rooms have the unit of one.
+    s = min(√(area / 20 m²), median(1, length / 4.8 m, height / 2.5 m)): a scene is smaller than a room where
+    it is both shorter and lower than one, or has less surface; and larger where it is both longer and higher,
+    as a hall is, but not a flat. Lengths in `Params` count in units of s, areas in units of s².
+
+    Length and height are the longest and the shortest side of the scene along its `own_frame`, without the
+    outermost hundredth of its surface on either side.
 
     Parameters
     ----------
-    area : float
-        Square metres of surface; without any the unit is a metre.
+    mesh : Mesh
+        Without any surface the unit is a metre.
+    frame : (3, 3) float, optional
+        `own_frame` of the mesh, where the caller has it already.
 
     Examples
     --------
+    >>> from scenewidget.datasets.analytic import square
+    >>> from scenewidget.engine.mesh import Mesh
     >>> from scenewidget.engine.scale import scene_scale
-    >>> scene_scale(50.0), scene_scale(0.8)  # a room, a table top
-    (1.0, 0.2)
+    >>> floor = square(10)  # of a metre
+    >>> round(scene_scale(floor), 2), scene_scale(Mesh(5 * floor.vertices, floor.faces))
+    (0.22, 1.0)
     """
-    return min(1.0, float(np.sqrt(area / ROOM))) if area > 0 else 1.0
+    area = float(mesh.face_areas.sum())
+    if not area > 0:
+        return 1.0
+    axes = own_frame(mesh.face_centroids, mesh.face_areas) if frame is None else frame
+    weights = np.bincount(mesh.faces.ravel(), np.repeat(mesh.face_areas, 3), mesh.n_vertices).astype(float)
+    length, _, height = (_side(mesh.vertices @ axis, weights) for axis in axes.T)
+    of_a_room = float(np.median([1.0, length / ROOM_LENGTH, height / ROOM_HEIGHT]))
+    return min(float(np.sqrt(area / ROOM_AREA)), of_a_room)
+
+
+def _side(places: FloatArray, weights: FloatArray) -> float:
+    """How far apart places on a line are, without the outermost hundredth of the weights on either side."""
+    low, high, n_steps = float(places.min()), float(places.max()), 4096
+    for _ in range(4):  # closer each time: a stray vertex may be far off
+        step = max(high - low, 1e-300) / n_steps
+        steps = np.clip((places - low) / step, 0, n_steps - 1).astype(np.int64)
+        share = np.cumsum(np.bincount(steps, weights, n_steps))
+        first, last = np.searchsorted(share / share[-1], [0.01, 0.99])
+        low, high = low + float(first) * step, low + float(last + 1) * step
+    return high - low
 
 
 def own_frame(points: FloatArray, weights: FloatArray) -> FloatArray:

@@ -69,7 +69,7 @@ def test_tiles_have_the_colours_and_the_unit_of_the_whole(monkeypatch):
     known = dict(zip(map(tuple, mesh.vertices), map(tuple, colors)))
     for part, params in seen:
         assert [known[tuple(v)] for v in part.vertices] == list(map(tuple, part.vertex_colors))
-        assert params.scale == scene_scale(float(mesh.face_areas.sum())) != 1
+        assert params.scale == scene_scale(mesh) != 1
 
 
 def test_tiles_on_somebodys_workers_give_the_same():

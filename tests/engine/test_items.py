@@ -64,7 +64,7 @@ def test_superfacets_of_any_mesh_are_sound(mesh, n_items):
     assert items.n <= n_items
     dropped = int((items.face_map < 0).sum())
     assert dropped == items.report["faces floating free of everything"]
-    reach = 0.06 * scene_scale(float(mesh.face_areas.sum()))
+    reach = 0.06 * scene_scale(mesh)
     links = np.concatenate([face_adjacency(mesh), find_bridges(mesh, face_adjacency(mesh), reach)])
     same = items.item_of_face[links[:, 0]] == items.item_of_face[links[:, 1]]
     _, piece = connected_components(mesh.n_faces, links[same])

@@ -10,15 +10,47 @@ from scenewidget.engine.mesh import Mesh, face_adjacency
 from scenewidget.engine.scale import far_apart, geometric_order, own_frame, principal_axes, scene_scale
 
 
-def test_rooms_are_measured_in_metres_and_tables_by_their_own_size():
-    assert scene_scale(20.0) == scene_scale(500.0) == 1.0
-    assert scene_scale(0.8) == pytest.approx(0.2)
-    assert scene_scale(0.0) == 1.0
+def shell(length, width, height):
+    return shapes.box(12, size=(length, width, height))
 
 
-@given(st.floats(1e-6, 20.0), st.floats(0.01, 1.0))
-def test_the_unit_of_small_scenes_grows_with_their_size(area, factor):
-    assert scene_scale(area * factor**2) == pytest.approx(scene_scale(area) * factor)
+@pytest.mark.parametrize(
+    ("size", "unit"),
+    [
+        ((5.0, 4.0, 2.5), 1.0),  # a room
+        ((2.5, 2.0, 2.4), 0.9),  # a bath: small, but as high as a room
+        ((9.0, 1.5, 2.5), 1.0),  # a corridor
+        ((12.0, 9.0, 2.6), 1.0),  # a flat
+        ((12.0, 9.0, 5.2), 2.0),  # a hall
+        ((1.2, 0.8, 0.2), 0.25),  # a table top
+        ((0.5, 0.4, 0.9), 0.19),  # a chair
+    ],
+)
+def test_scenes_have_the_unit_of_their_kind(size, unit):
+    assert scene_scale(shell(*size)) == pytest.approx(unit, rel=0.12)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+@pytest.mark.parametrize("size", [(4.8, 4.0, 2.5), (5.3, 5.0, 2.6), (1.2, 0.8, 0.2)])
+def test_the_unit_grows_with_the_scene(size, factor):
+    grown = scene_scale(shell(*(factor * np.array(size)))) / scene_scale(shell(*size))
+    assert grown == pytest.approx(factor, rel=0.15)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_unit_hears_of_no_axes_and_of_no_crumbs(seed):
+    mesh = shapes.room(8, noise=0.004)[0]
+    far = np.array([[90.0, 0.0, 40.0], [90.1, 0.0, 40.0], [90.0, 0.1, 40.0]])
+    with_crumb = Mesh(
+        np.concatenate([mesh.vertices, far]), np.concatenate([mesh.faces, [mesh.n_vertices + np.arange(3)]])
+    )
+    unit = scene_scale(mesh)
+    assert scene_scale(Mesh(mesh.vertices @ shapes.rotation(seed).T, mesh.faces)) == pytest.approx(unit)
+    assert scene_scale(with_crumb) == pytest.approx(unit, rel=0.03)
+
+
+def test_without_a_surface_the_unit_is_a_metre():
+    assert scene_scale(Mesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]])) == 1.0
 
 
 @settings(deadline=None, max_examples=25)
