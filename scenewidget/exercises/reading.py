@@ -28,6 +28,7 @@ __all__ = [
 ]
 
 LONGEST = 10_000  # entries of a list, far more than any question asks for
+MOST, DEEPEST = 200_000, 8  # entries of a list of lists, and lists in lists
 LONGEST_TEXT = 300
 
 _SIGNS = str.maketrans({"^": "**", "·": "*", "×": "*", "−": "-", "–": "-", "÷": "/", ":": "/"})
@@ -49,6 +50,7 @@ _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Pow: operator.pow,
 }
 _FUNCTIONS = {"sqrt": math.sqrt, "log": math.log, "ln": math.log, "exp": math.exp}
+_LISTS = (list, tuple, set, frozenset)
 _CONSTANTS = {"pi": math.pi, "e": math.e}
 
 
@@ -119,8 +121,11 @@ def word(answer: Any) -> str:
     ('right tip', 'more')
     """
     refuse_nothing(answer)
-    if isinstance(answer, (list, tuple, set, frozenset, np.ndarray)) and np.size(list(answer)[:2]) == 1:
-        return word(next(iter(np.ravel(answer) if isinstance(answer, np.ndarray) else answer)))
+    is_one = (
+        answer.size if isinstance(answer, np.ndarray) else isinstance(answer, _LISTS) and len(answer)
+    ) == 1
+    if is_one:
+        return word(answer.item() if isinstance(answer, np.ndarray) else next(iter(answer)))
     if not isinstance(answer, (str, bytes)):
         raise UnreadableError('a word is asked for, in quotes, such as "this"')
     return " ".join(_text(answer).casefold().strip(" \t\n'\"`.,;!").split())
@@ -155,7 +160,7 @@ def rows(result: Any) -> np.ndarray[Any, Any]:
         listed = list(islice(iter(result), LONGEST + 1))
         if len(listed) > LONGEST:
             raise UnreadableError("that is a very long list: far fewer pairs are asked for")
-        result = np.asarray([list(pair) for pair in listed], dtype=np.float64)
+        result = np.asarray([list(islice(iter(pair), 3)) for pair in listed], dtype=np.float64)
     if result.size and (result.ndim != 2 or result.shape[1] != 2):
         raise UnreadableError("pairs are asked for, in a list or an array with two columns")
     if result.size > 2 * LONGEST:
@@ -167,8 +172,7 @@ def rows(result: Any) -> np.ndarray[Any, Any]:
 def _array(result: Any, shape: tuple[int, ...]) -> np.ndarray[Any, Any]:
     if isinstance(result, Iterator):
         result = list(islice(result, LONGEST))
-    if hasattr(result, "__len__") and not hasattr(result, "shape") and len(result) > LONGEST:
-        raise UnreadableError("that is a very long list: far fewer entries are asked for")
+    _n_entries(result)
     if getattr(result, "shape", None) is None:
         result = np.asarray(result)
     wanted, got = " × ".join(map(str, shape)) or "one number", " × ".join(map(str, result.shape))
@@ -183,6 +187,21 @@ def _array(result: Any, shape: tuple[int, ...]) -> np.ndarray[Any, Any]:
             raise UnreadableError("a diagonal is asked for, yours has entries beside it")
         dense = np.diagonal(dense)
     return dense.astype(np.float64).reshape(shape)
+
+
+def _n_entries(result: Any, depth: int = 0) -> int:
+    """Entries of a list and of the lists in it, before NumPy is asked to write them all out."""
+    if hasattr(result, "shape") or isinstance(result, (str, bytes)) or not hasattr(result, "__len__"):
+        return 1
+    if len(result) <= LONGEST and depth < DEEPEST:
+        n = 1
+        for part in result:
+            n += _n_entries(part, depth + 1)
+            if n > MOST:
+                break
+        else:
+            return n
+    raise UnreadableError("that is a very long list: far fewer entries are asked for")
 
 
 def refuse_nothing(answer: Any) -> None:

@@ -1,5 +1,6 @@
 """Answers to the course: right ones in any form, wrong ones with the hint for their mistake, garbage."""
 
+import itertools
 import re
 import threading
 import time
@@ -15,7 +16,7 @@ import scenewidget as sw
 from scenewidget import exercises
 from scenewidget.datasets import analytic
 from scenewidget.engine import consensus, distances, kmedoids
-from scenewidget.exercises import agreement, graphs, laplacians, medoids, paths, poisson, spectra
+from scenewidget.exercises import agreement, graphs, laplacians, medoids, paths, poisson, reading, spectra
 from scenewidget.exercises.judging import (
     FunctionExercise,
     NumberExercise,
@@ -250,6 +251,26 @@ def test_garbage_gets_a_sentence_within_a_second(name):
         assert not verdict.is_right
         assert "\n" not in verdict.text
         assert len(verdict.text) < 400
+
+
+@pytest.mark.parametrize("name", ["03.8", "05.1"])
+def test_what_is_too_large_to_be_written_out_never_is(name):
+    entries = np.broadcast_to(0.0, (10**9,))  # 8 GB, or a list of 30 GB
+    lists = [
+        [range(10**9)],
+        [0, range(10**9)],
+        [itertools.count()],
+        (range(10**9),) * 2,
+        [[0] * 9_999] * 9_999,
+    ]
+    for large in (entries, lists, *lists):
+        for answer in (large, lambda *_, large=large: large):
+            assert exercises.verdict(name, answer).text.startswith("not yet: ")
+
+
+def test_pairs_without_an_end_are_no_pairs():
+    with pytest.raises(reading.UnreadableError, match="two columns"):
+        reading.rows([itertools.count()] * 3)
 
 
 def test_loops_that_nobody_waits_for_are_stopped():
