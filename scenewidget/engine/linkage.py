@@ -107,18 +107,18 @@ def cut_tree(tree: FloatArray, *, n_clusters: int | None = None, similarity: flo
     return by_first_appearance(parent[:n])
 
 
-@kernel
-def _symmetrise(D):  # type: ignore[no-untyped-def]
+def _symmetrise(D: FloatArray) -> None:
     """Mean of D and its transpose, in place and by blocks that fit the cache.
 
     Products that are symmetric on paper differ in the last bit, and chains would go in circles.
     """
-    n, size = len(D), 32
+    n, size = len(D), 256
     for top in range(0, n, size):
-        for left in range(0, top + size, size):
-            for i in range(top, min(top + size, n)):
-                for j in range(left, min(left + size, i)):
-                    D[i, j] = D[j, i] = 0.5 * (D[i, j] + D[j, i])
+        for left in range(0, top + 1, size):
+            one, other = D[top : top + size, left : left + size], D[left : left + size, top : top + size]
+            one += other.T.copy()
+            one *= 0.5
+            other[:] = one.T.copy()
 
 
 @kernel

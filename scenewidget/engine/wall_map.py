@@ -21,6 +21,8 @@ MARGIN = 5  # The map has so many empty cells round it, as heights are compared 
 MOST_CELLS = 2_000  # A side of the map has at most this many cells.
 REACH = 2  # A narrow item within so many cells of a broad one is the rim of a step.
 RIM = 1  # An item is narrow that nowhere holds a square of 2 RIM + 1 cells.
+# From a cell at a seam across it: it, the one beyond, both; the third to fifth on its side, and beyond.
+PARTS = ((0, 1, 1), (1, 2, 1), (0, 2, 1), (-2, -5, -1), (3, 6, 1))
 SHIFTS = ((0.0, 0.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0))  # By so many cells the grids are shifted.
 
 
@@ -257,7 +259,18 @@ def _seams(grid: _ValueMap, item: IntArray) -> Seams:
         rows, columns = np.nonzero((item >= 0) & (beside >= 0) & (item != beside))
         i, j = item[rows, columns], beside[rows, columns]
         across, above = np.empty((2, len(grid.values), len(i)))
-        _measure(rows, columns, 1 - axis, axis, grid.weight, grid.values, across, above)
+        _measure(
+            rows,
+            columns,
+            1 - axis,
+            axis,
+            grid.weight,
+            grid.values,
+            np.array(PARTS),
+            np.empty(5),
+            across,
+            above,
+        )
         first.append(np.minimum(i, j))
         second.append(np.maximum(i, j))
         steps.append(np.where(i < j, across, -across))
@@ -278,34 +291,22 @@ def _sums(place: IntArray, values: FloatArray, n_places: int) -> FloatArray:
 
 
 @kernel
-def _measure(rows, columns, down, right, weight, values, step, ridge):  # type: ignore[no-untyped-def]
+def _measure(rows, columns, down, right, weight, values, parts, means, step, ridge):  # type: ignore[no-untyped-def]
     """Step and ridge of the values where a cell meets the next one down or to the right.
 
-    Where all cells that a mean is taken over are empty, that at the seam itself stands for it.
+    From the means over `PARTS`; where all cells of a side are empty, its cell at the seam stands for it.
     """
     for e in range(len(rows)):
-        r, c = rows[e], columns[e]
         for v in range(len(values)):
-            here, there = weight[r, c], weight[r + down, c + right]
-            at, beside = values[v, r, c], values[v, r + down, c + right]
-            seam, w = at + beside, here + there
-            seam = seam / w if w > 0 else 0.0
-            before = at / here if here > 0 else 0.0
-            after = beside / there if there > 0 else 0.0
-            total, w = 0.0, 0.0
-            for k in range(2, 5):
-                w += weight[r - k * down, c - k * right]
-                total += values[v, r - k * down, c - k * right]
-            if w > 0:
-                before = total / w
-            total, w = 0.0, 0.0
-            for k in range(3, 6):
-                w += weight[r + k * down, c + k * right]
-                total += values[v, r + k * down, c + k * right]
-            if w > 0:
-                after = total / w
-            step[v, e] = after - before
-            ridge[v, e] = seam - (before + after) / 2
+            for p in range(len(parts)):
+                total, w = 0.0, 0.0
+                for k in range(parts[p, 0], parts[p, 1], parts[p, 2]):
+                    r, c = rows[e] + k * down, columns[e] + k * right
+                    w += weight[r, c]
+                    total += values[v, r, c]
+                means[p] = total / w if w > 0 else means[p - 3] if p > 2 else 0.0
+            step[v, e] = means[4] - means[3]
+            ridge[v, e] = means[2] - (means[3] + means[4]) / 2
 
 
 def nearest(cells: IntArray, reach: int, otherwise: IntArray) -> IntArray:
