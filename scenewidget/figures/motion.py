@@ -156,7 +156,8 @@ class Vibration(Figure):
             values=np.sin(2 * np.pi * times / PERIOD).astype(np.float32),
         )
         clip = three.AnimationClip(tracks=[track], duration=PERIOD)
-        action = three.AnimationAction(three.AnimationMixer(panel.object), clip, panel.object)
+        swinging = panel.layers[0].object
+        action = three.AnimationAction(three.AnimationMixer(swinging), clip, swinging)
         action.timeScale = float(self._paces[self._column])
         handles: list[Any] = [action]
         if self._phi.shape[1] > 1:

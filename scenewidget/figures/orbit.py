@@ -7,6 +7,7 @@ by pythreejs, with plain materials: the light is in the colours already.
 from __future__ import annotations
 
 import html
+import itertools
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
@@ -136,7 +137,9 @@ class Stage:
 class Panel:
     """One drawing with its title, colour bar and note.
 
-    With ``morph``, a drawing of as many triangles, the browser can move the corners towards those of it.
+    The surface and what is drawn on it are two objects, so that a mark can move without the surface being
+    sent again. With ``morph``, a drawing of as many triangles, they are one, and the browser can move its
+    corners towards those of that drawing.
     """
 
     def __init__(
@@ -160,7 +163,7 @@ class Panel:
             background="#ffffff",
         )
         self.title, self.legend = widgets.HTML(), widgets.HTML()
-        self.object: Any = None
+        self.layers: list[_Layer] = []
         self.draw(drawing, morph=morph)
         self.widget = widgets.VBox(
             [self.title, self.renderer, self.legend], layout=widgets.Layout(width=f"{stage.width + 8}px")
@@ -168,39 +171,66 @@ class Panel:
         self.widget.add_class("scenewidget-figure")
 
     def draw(self, drawing: Drawing, *, morph: Drawing | None = None) -> None:
-        """Show it; if it has as many triangles as the last, only what differs is sent."""
-        arrays = {"position": _rows(drawing.corners), "color": _rows(drawing.colors) / np.float32(255)}
-        if morph is not None:
-            arrays["morph"] = _rows(morph.corners)
-        is_alike = (
-            self.object is not None
-            and self.object.material.side == _side(drawing)
-            and {name: array.shape for name, array in arrays.items()}
-            == {name: attribute.array.shape for name, attribute in self.attributes.items()}
-        )
-        if is_alike:
-            for name, attribute in self.attributes.items():
-                if not np.array_equal(attribute.array, arrays[name]):
-                    attribute.array = arrays[name]
-        else:
-            self._replace(arrays, _side(drawing))
+        """Show it; of a layer with as many triangles as the last, only what differs is sent."""
+        cuts = [0, len(drawing.corners)] if morph else [0, drawing.n_surface, len(drawing.corners)]
+        layers = []
+        for i, (start, end) in enumerate(itertools.pairwise(cuts)):
+            arrays = {
+                "position": _rows(drawing.corners[start:end]),
+                "color": np.ascontiguousarray(drawing.colors[start:end].reshape(-1, 3)),
+            }
+            if morph is not None:
+                arrays["morph"] = _rows(morph.corners)
+            old = self.layers[i] if i < len(self.layers) else None
+            if old is not None and (end == start or old.takes(arrays, _side(drawing))):
+                layers.append(old)  # what isn't drawn for now is hidden, and comes back at once
+            elif end > start:
+                layers.append(_Layer(arrays, _side(drawing), self._shift, order=i))
+            if layers:
+                layers[-1].object.visible = end > start
+        if layers != self.layers:
+            self.layers = layers
+            self.scene.children = [layer.object for layer in layers]
         for box, text in ((self.title, _title(drawing)), (self.legend, _legend(drawing))):
             if box.value != text:
                 box.value = text
             box.layout.display = "" if text else "none"
 
-    def _replace(self, arrays: dict[str, Any], side: str) -> None:
+
+class _Layer:
+    """Triangles that the browser has, with the arrays in which they came."""
+
+    def __init__(
+        self, arrays: dict[str, Any], side: str, shift: tuple[float, float, float], *, order: int
+    ) -> None:
         import pythreejs as three
 
-        self.attributes = {name: three.BufferAttribute(array) for name, array in arrays.items()}
+        self.side = side
+        self.attributes = {
+            name: three.BufferAttribute(array, normalized=array.dtype == np.uint8)
+            for name, array in arrays.items()
+        }
         plain = {name: self.attributes[name] for name in ("position", "color")}
         target = {"position": [self.attributes["morph"]]} if "morph" in arrays else {}
         geometry = three.BufferGeometry(attributes=plain, morphAttributes=target)
         material = three.MeshBasicMaterial(vertexColors="VertexColors", side=side, morphTargets=bool(target))
         self.object = three.Mesh(
-            geometry, material, position=self._shift, morphTargetInfluences=[0.0] if target else []
+            geometry,
+            material,
+            position=shift,
+            morphTargetInfluences=[0.0] if target else [],
+            renderOrder=order,  # what is drawn on a surface comes after it
         )
-        self.scene.children = [self.object]
+
+    def takes(self, arrays: dict[str, Any], side: str) -> bool:
+        """Take over other arrays, if they are as long; whether they are."""
+        shapes = {name: attribute.array.shape for name, attribute in self.attributes.items()}
+        if side != self.side or shapes != {name: array.shape for name, array in arrays.items()}:
+            return False
+        for name, attribute in self.attributes.items():
+            if not np.array_equal(attribute.array, arrays[name]):
+                attribute.array = arrays[name]
+        return True
 
 
 def _side(drawing: Drawing) -> str:

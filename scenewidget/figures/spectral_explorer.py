@@ -182,6 +182,7 @@ class SpectralExplorer(widgets.VBox):
         self._note = "; ".join(notes)
         self._k = k
         self._bases: dict[str, Eigenbasis] = {}
+        self._is_held = False
         super().__init__(laplacian=laplacian)
         self.set_trait("source", int(self.mesh.faces[0, 0]))
         self._make_controls()
@@ -320,12 +321,15 @@ class SpectralExplorer(widgets.VBox):
         """Give the time slider the range of this Laplacian's eigenvalues."""
         times = heat_kernel_times(self.basis, 3)
         slider = self._sliders["time"]
-        slider.min, slider.max = -99, 99
-        self.time = float(times[1])
-        slider.min, slider.max = np.log10(times[0] / 10), np.log10(times[2])
+        self._is_held = True  # one picture for one click
+        with slider.hold_sync():
+            slider.min, slider.max = -99, 99
+            self.time = float(times[1])
+            slider.min, slider.max = np.log10(times[0] / 10), np.log10(times[2])
+        self._is_held = False
 
     def _redraw(self, change: dict[str, Any]) -> None:
-        if change["name"] in self._sliders and change["name"] not in MODES[self.mode][1]:
+        if self._is_held or (change["name"] in self._sliders and change["name"] not in MODES[self.mode][1]):
             return
         self._show_sliders()
         self.figure.redraw(self._drawing())

@@ -24,14 +24,25 @@ def test_redrawing_sends_only_what_differs():
     mesh = icosphere(2)
     figure = figures.show(mesh, values=mesh.vertices[:, 0])
     (panel,) = figure.panels
-    before, position = panel.object, panel.attributes["position"].array
+    (before,) = panel.layers
+    position = before.attributes["position"].array
     figure.redraw(figures.show(mesh, values=mesh.vertices[:, 1]))
-    assert panel.object is before
-    assert panel.attributes["position"].array is position
-    np.testing.assert_allclose(
-        panel.attributes["color"].array, figure.drawings[0].colors.reshape(-1, 3) / 255, atol=1e-6
-    )
-    figure.redraw(figures.show(mesh, values=mesh.vertices[:, 1], isolines=3))
-    assert panel.object is not before
+    assert panel.layers == [before]
+    assert before.attributes["position"].array is position
+    color = before.attributes["color"]
+    assert color.normalized  # bytes that stand for 0 to 1
+    np.testing.assert_array_equal(color.array, figure.drawings[0].colors.reshape(-1, 3))
+    figure.redraw(figures.show(mesh, values=mesh.vertices[:, 1], points=[0]))
+    assert panel.layers[0] is before
+    assert list(panel.scene.children) == [layer.object for layer in panel.layers]
+    mark = panel.layers[1]
+    figure.redraw(figures.show(mesh, values=mesh.vertices[:, 1], points=[1]))
+    assert panel.layers == [before, mark]
+    assert before.attributes["position"].array is position
+    figure.redraw(figures.show(mesh, values=mesh.vertices[:, 1]))
+    assert panel.layers == [before, mark]
+    assert (before.object.visible, mark.object.visible) == (True, False)
+    figure.redraw(figures.show(icosphere(1)))
+    assert panel.layers != [before]
     with pytest.raises(ValueError, match="1 panels, got 2"):
         figure.redraw(figures.side_by_side([figure, figure]))

@@ -22,7 +22,7 @@ def explorer(mesh):
 def positions(explorer):
     """Corners that the browser draws, (n_faces, 3, 3), where they are on the mesh."""
     (panel,) = explorer.figure.panels
-    corners = panel.attributes["position"].array[: 3 * explorer.mesh.n_faces].reshape(-1, 3, 3)
+    corners = panel.layers[0].attributes["position"].array[: 3 * explorer.mesh.n_faces].reshape(-1, 3, 3)
     used = explorer.mesh.vertices[explorer.mesh.faces]
     return corners + 0.5 * (used.min(axis=(0, 1)) + used.max(axis=(0, 1)))
 
@@ -174,3 +174,12 @@ def test_a_few_extremes_do_not_pale_the_rest(explorer, mesh):
 def test_one_eigenpair_is_none():
     with pytest.raises(ValueError, match="k must be at least 2, got 1: the first eigenfunction is constant"):
         SpectralExplorer(box(1), k=1)
+
+
+def test_another_laplacian_is_drawn_once():
+    explorer = sw.SpectralExplorer(blob(), k=5)
+    explorer.mode = "heat"
+    drawn = []
+    explorer.figure.redraw = drawn.append
+    explorer.laplacian = "uniform"
+    assert len(drawn) == 1
