@@ -183,11 +183,10 @@ class Panel:
                 arrays["morph"] = _rows(morph.corners)
             old = self.layers[i] if i < len(self.layers) else None
             if old is not None and (end == start or old.takes(arrays, _side(drawing))):
-                layers.append(old)  # what isn't drawn for now is hidden, and comes back at once
+                old.object.visible = end > start  # what isn't drawn for now comes back at once
+                layers.append(old)
             elif end > start:
                 layers.append(_Layer(arrays, _side(drawing), self._shift, order=i))
-            if layers:
-                layers[-1].object.visible = end > start
         if layers != self.layers:
             self.layers = layers
             self.scene.children = [layer.object for layer in layers]

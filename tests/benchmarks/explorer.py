@@ -55,7 +55,7 @@ ANSWER = """async () => {
 
 def in_python(side: int) -> None:
     """Turn each knob without a page."""
-    explorer = SpectralExplorer(analytic.square(side))
+    explorer = SpectralExplorer(analytic.square(side), max_faces=2 * side**2)
     for mode, name, values in KNOBS:
         explorer.mode = mode
         seconds = []
@@ -73,7 +73,7 @@ def in_a_browser(side: int, picture: str | None) -> None:
 
     source = f"""import scenewidget as sw
 from scenewidget.datasets.analytic import square
-explorer = sw.SpectralExplorer(square({side}))
+explorer = sw.SpectralExplorer(square({side}), max_faces={2 * side**2})
 explorer"""
     with (
         tempfile.TemporaryDirectory() as home,

@@ -28,6 +28,7 @@ def test_redrawing_sends_only_what_differs():
     position = before.attributes["position"].array
     figure.redraw(figures.show(mesh, values=mesh.vertices[:, 1]))
     assert panel.layers == [before]
+    assert before.object.visible
     assert before.attributes["position"].array is position
     color = before.attributes["color"]
     assert color.normalized  # bytes that stand for 0 to 1
