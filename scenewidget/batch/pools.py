@@ -305,7 +305,7 @@ class OwnWorkers:
         from distributed.system import MEMORY_LIMIT
 
         self._n_started += 1
-        memory = DASK_MEMORY | {
+        settings = DASK | {
             KNOB: str(max(1, n_threads() // self.n)),
             "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
         }
@@ -321,7 +321,7 @@ class OwnWorkers:
                 stdout=log,
                 stderr=log,
                 stdin=subprocess.DEVNULL,
-                env=os.environ | memory,
+                env=os.environ | settings,
                 start_new_session=True,  # Ctrl-C is for us alone
                 creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),  # the same on Windows
             )
@@ -373,11 +373,17 @@ class OwnWorkers:
         process.wait()
 
 
-DASK_MEMORY = {  # a worker that is too large is ended; none is put on hold, which might be for good
+DASK = {  # a worker that is too large is ended; none is put on hold, which might be for good
     "DASK_DISTRIBUTED__WORKER__MEMORY__TARGET": "False",
     "DASK_DISTRIBUTED__WORKER__MEMORY__SPILL": "False",
     "DASK_DISTRIBUTED__WORKER__MEMORY__PAUSE": "False",
     "DASK_DISTRIBUTED__WORKER__MEMORY__TERMINATE": "0.95",
+    "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",  # looks at a busy worker 100 times a second
+    # Dask has workers give memory back to the system at once, only to ask for it anew: a third more CPU.
+    # These are the bounds to which the C library goes by itself, in steps
+    "DASK_DISTRIBUTED__NANNY__PRE_SPAWN_ENVIRON": repr(
+        {"MALLOC_TRIM_THRESHOLD_": 64 << 20, "MALLOC_MMAP_THRESHOLD_": 32 << 20}
+    ),
     "DASK_DISTRIBUTED__LOGGING__DISTRIBUTED": "warning",
 }
 

@@ -45,15 +45,21 @@ def test_tiles_cover_every_face_and_share_what_lies_in_the_overlap():
     assert max(map(len, alone)) <= 200
 
 
-def test_a_tile_votes_on_the_nearest_quarter_of_its_overlap_only(monkeypatch):
-    mesh, seen = corner(), []
-    monkeypatch.setattr(
-        tiles_module, "consensus", lambda labels, mesh: seen.append(labels) or sw.consensus(labels, mesh)
-    )
-    segment_tiles(mesh, FAST, max_faces=200, overlap=1.0)
-    votes = np.sum([labels >= 0 for labels in seen[0].values()], axis=0)
-    expected = np.bincount(np.concatenate(tiles(mesh, max_faces=200, overlap=0.25)), minlength=mesh.n_faces)
-    assert votes.tolist() == expected.tolist()
+def test_a_floor_goes_on_under_a_carpet_that_one_tile_has_told_from_it():
+    mesh = shapes.sheet(24, 8, width=6.0, depth=2.0)
+    x, y, _ = mesh.face_centroids.T
+    parts = [np.flatnonzero(x < 4.0), np.flatnonzero(x > 2.0)]
+    is_own = [x[parts[0]] < 3.0, x[parts[1]] >= 3.0]
+    carpet = (abs(x - 3.0) < 1.5) & (abs(y - 1.0) < 0.4)  # less than half of what both see
+    first, second = carpet[parts[0]].astype(int), np.zeros(len(parts[1]), int)
+    found = [(labels, np.full(len(labels), 0.8)) for labels in (first, second)]
+    joined = tiles_module._joined(mesh, parts, is_own, found)
+    assert joined.n_segments == 2
+    assert (joined.labels == (carpet & (x < 3.0))).all()
+    assert joined.levels["base"].max() == 2
+    is_disputed = carpet & (x > 2.0) & (x < 4.0)  # one of two says something else
+    assert joined.confidence[is_disputed] == pytest.approx(0.4)
+    assert joined.confidence[~is_disputed] == pytest.approx(0.8)
 
 
 def test_tiles_have_the_colours_and_the_unit_of_the_whole(monkeypatch):
