@@ -131,34 +131,36 @@ def principal_axes(points: FloatArray, weights: FloatArray) -> tuple[FloatArray,
     >>> (axes[:, 0].round(1) + 0.0).tolist(), spread.round(1).tolist()
     ([-0.1, -1.0, 0.0], [5.6, 0.2, 0.0])
     """
-    share = (weights / max(float(_sum(weights)), 1e-300))[:, None]
-    apart = points - _sum(share * points)
-    x, y, z = apart.T
-    products = np.stack([x * x, x * y, x * z, y * y, y * z, z * z], axis=1)
-    values, axes = np.linalg.eigh(_sum(share * products)[[[0, 1, 2], [1, 3, 4], [2, 4, 5]]])
+    share = weights / max(float(_sums(weights[None])[0]), 1e-300)
+    apart = points - _sums(points.T * share)
+    x, y, z = np.ascontiguousarray(apart.T)
+    products = np.empty((6, len(points)))
+    for product, (one, other) in zip(products, ((x, x), (x, y), (x, z), (y, y), (y, z), (z, z))):
+        np.multiply(one, other, out=product)
+    products *= share
+    values, axes = np.linalg.eigh(_sums(products)[[[0, 1, 2], [1, 3, 4], [2, 4, 5]]])
     values, axes = np.maximum(values[::-1], 0.0), axes[:, ::-1]
-    along = apart @ axes
-    skew = _sum(share * along * along * along)
+    along = (apart @ axes).T
+    skew = _sums(share * along * along * along)
     nearest = axes[np.abs(axes).argmax(axis=0), range(3)]
     is_known = np.abs(skew) > ALIKE * float(values.sum()) ** 1.5
     return axes * np.where(np.where(is_known, skew, nearest) < 0, -1.0, 1.0), values
 
 
-def _sum(values: FloatArray) -> FloatArray:
-    """Sum over the rows, so exact that their order doesn't show."""
-    columns = np.ascontiguousarray(values, dtype=np.float64).reshape(len(values), -1)
-    total = np.zeros((2, columns.shape[1]))
-    _add(columns, total)
-    return np.asarray(total.sum(axis=0).reshape(values.shape[1:]))
+def _sums(rows: FloatArray) -> FloatArray:
+    """(n_rows,) sum of each row, so exact that the order of what is in it doesn't show."""
+    total = np.zeros((2, len(rows)))
+    _add(np.ascontiguousarray(rows, dtype=np.float64), total)
+    return np.asarray(total.sum(axis=0))
 
 
 @kernel
-def _add(values, total):  # type: ignore[no-untyped-def]
+def _add(rows, total):  # type: ignore[no-untyped-def]
     """Sums and what they were rounded by (Knuth's two-sum), both added to ``total``."""
-    for k in range(values.shape[1]):
+    for k in range(rows.shape[0]):
         high, low = total[0, k], total[1, k]
-        for i in range(values.shape[0]):
-            x = values[i, k]
+        for i in range(rows.shape[1]):
+            x = rows[k, i]
             both = high + x
             part = both - high
             low += (high - (both - part)) + (x - part)
