@@ -60,7 +60,7 @@ USUAL = (1.5, 12.0)  # extents of a cloud whose unit nobody asks about
 N_POINTS = 30_000  # of a cloud that are enough to tell
 SPREAD_OUT = 1.3  # edges of a mesh for the distance to the sixth neighbour in a cloud as dense
 FLAT = 0.4  # height over width up to which a scan may be of a table
-ONE_PLANE = 0.45  # of the area, that the top of a table has at least
+ONE_PLANE = 0.36  # of the area, that the top of a table has at least
 SURE = 3.0  # nats by which another unit must be more likely than the metre
 
 
@@ -122,7 +122,10 @@ def likely_unit(mesh: Mesh) -> Unit:
 def _above_floor(mesh: Mesh, up: FloatArray) -> tuple[float, float]:
     """How high above the floor half of what faces up beyond it lies, and the whole scan; 0 where unknown."""
     height = mesh.face_centroids @ up
-    is_level = mesh.face_vectors @ up > 1.9 * mesh.face_areas
+    faces_up = mesh.face_vectors @ up
+    if not getattr(mesh, "has_sides", True):  # of a cloud: part of the floor may look down
+        faces_up = np.abs(faces_up)
+    is_level = faces_up > 1.9 * mesh.face_areas
     if not is_level.any():
         return 0.0, 0.0
     levels, areas = height[is_level], mesh.face_areas[is_level]

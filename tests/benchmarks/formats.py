@@ -180,6 +180,8 @@ def judge(path: Path, wanted: Path) -> None:
     name = path.name
     arrays = 24 * scan.n_vertices + 12 * (0 if scan.is_cloud else scan.n_faces)
     arrays += 3 * scan.n_vertices * (scan.vertex_colors is not None)
+    if name == "texture.obj":
+        arrays += 3 * scan.n_vertices  # the pixels
     n = min(len(right["points"]), scan.n_vertices) if scan.is_cloud else len(right["vertices"])
     places = right["points"][:n] if scan.is_cloud else right["vertices"]
     if path.suffix == ".stl":

@@ -16,7 +16,7 @@ from scenewidget.engine.moments import face_moments, group_moments
 from scenewidget.engine.operators import cotangent_laplacian, eigenbasis, uniform_laplacian
 from scenewidget.engine.readers import load, load_cloud
 from scenewidget.engine.readers.e57 import _stations
-from scenewidget.engine.units import likely_unit
+from scenewidget.engine.units import _above_floor, likely_unit
 from scenewidget.figures.drawing import draw
 
 
@@ -354,6 +354,14 @@ def test_a_trimesh_of_points_is_a_cloud_and_a_cloud_is_scaled_when_told_its_unit
     assert isinstance(cloud, PointCloud)
     assert cloud.vertex_colors.tolist() == [[9, 9, 9]] * 50
     np.testing.assert_allclose(load_cloud(cloud, units="mm").points, points / 1000)
+
+
+def test_a_floor_of_which_part_looks_down_is_the_floor():
+    floor, counter = (sampled(shapes.grid_square(2, size=size), 4_000)[0] for size in (4.0, 3.0))
+    cloud = PointCloud(np.concatenate([floor, np.add(counter[:2_500], (0, 0, 0.9))]))
+    looks = np.where(np.arange(6_500) < 3_000, -1.0, 1.0)  # as where nobody tells the sides of points
+    vars(cloud)["face_normals"] = looks[:, None] * [0.0, 0.0, 1.0]
+    assert _above_floor(cloud, np.array([0.0, 0.0, 1.0])) == pytest.approx((0.9, 0.9), abs=0.02)
 
 
 @pytest.mark.parametrize(
