@@ -53,7 +53,7 @@ def notebook_for_the_book(notebook: dict[str, Any], stem: str) -> dict[str, Any]
         width, height = _extent(output["data"]["image/png"])
         view = (
             f'<iframe class="figure" src="_static/views/{stem}-figure-{n}.html" loading="lazy" title="A figure to turn" '
-            f'style="max-width: {width}px; aspect-ratio: {width} / {height}"></iframe>'
+            f'style="border: 0; width: 100%; max-width: {width}px; aspect-ratio: {width} / {height}"></iframe>'
         )
         output.clear()
         output.update(output_type="display_data", metadata={}, data={"text/html": view})
