@@ -10,7 +10,9 @@ __all__ = ["peak", "reset_peak", "what_it_takes"]
 
 AT_LEAST = 600_000_000  # bytes of a process that has loaded everything
 A_FACE, A_FACE_JUDGED = 550, 1000  # bytes, without and with a truth to compare with
-A_FACE_OF_TILES = 150  # bytes of a face that is only held, while a tile is segmented
+A_FACE_OF_TILES = (
+    150  # bytes of a face that is only held: 151 between 2.2 and 4.4 million (benchmarks/tiles.py)
+)
 
 
 def what_it_takes(n_faces: int, *, is_judged: bool = False, tile_faces: int = 0) -> int:
