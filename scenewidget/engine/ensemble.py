@@ -110,9 +110,8 @@ def k_medoids_members(
         else:
             k = int(rng.integers(k_range[0], k_range[1] + 1))
         medoids = []
-        offset = (
-            rng.random() if init == "even" else 0.0
-        )  # one for all: a scene among others is as it is alone
+        # one for all components, so that a scene among others is as it is alone
+        offset = rng.random() if init == "even" else 0.0
         for inside, count in zip(members, allocate(k, share, size)):
             if init == "even":
                 along = inside[np.argsort(curve[inside])]
@@ -191,7 +190,7 @@ def felzenszwalb_members(
     costs = edge_costs(items.normals, items.pairs, a=1.0, b=-1.0, exponent=cost_exponent)
 
     lengths = np.maximum(items.seam_edges, 1)
-    home = items.island[items.pairs[:, 0]]
+    draw = _places_in_island(items)
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(1_000_000,)))
     places = np.empty((2, n_runs))
     for kind in (0, 1):
@@ -204,7 +203,8 @@ def felzenszwalb_members(
         alpha = convex_weight[0] + places[0, i] * (convex_weight[1] - convex_weight[0])
         c = float(np.exp(low + places[1, i] * (high - low)))
         weights = np.where(items.is_convex, alpha * costs, costs) + hop
-        weights = weights * np.exp(jitter * _draws(rng, home))
+        normal = rng.standard_normal(int(draw.max(initial=-1)) + 1)  # each island draws the same first ones
+        weights = weights * np.exp(jitter * normal[draw])
         if i % 2:
             return join_along_seams(
                 items.pairs, weights, lengths, threshold=SEAM_THRESHOLD * c, sizes=items.sizes
@@ -216,13 +216,14 @@ def felzenszwalb_members(
     return keys
 
 
-def _draws(rng: np.random.Generator, home: IntArray) -> FloatArray:
-    """(n_pairs,) from the normal distribution, the same first ones for the pairs of each island."""
+def _places_in_island(items: Items) -> IntArray:
+    """(n_pairs,) how many pairs of the same island stand before each."""
+    home = items.island[items.pairs[:, 0]]
     place = np.empty(len(home), dtype=np.int64)
     order = np.argsort(home, kind="stable")
     count = np.bincount(home)
     place[order] = np.arange(len(home)) - np.repeat(np.cumsum(count) - count, count)
-    return rng.standard_normal(int(count.max(initial=0)))[place]
+    return place
 
 
 def _evenly(place: IntArray, start: FloatArray) -> FloatArray:
