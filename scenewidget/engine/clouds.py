@@ -401,23 +401,26 @@ def _planes(points, index, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def _root(point, root, is_turned):  # type: ignore[no-untyped-def]
+    """The root of a point, and whether it is turned against that; points on the way are hung higher."""
+    turn = False
+    while root[point] != point:
+        turn ^= is_turned[point]
+        up = root[point]
+        is_turned[point] ^= is_turned[up]
+        root[point] = root[up]
+        point = up
+    return point, turn
+
+
+@kernel
 def _agree(pairs, is_against, order, root, is_turned):  # type: ignore[no-untyped-def]
     """Kruskal's tree along ``order``: the root of each point, and whether to turn it."""
     for at in range(len(order)):
         a, b = pairs[order[at], 0], pairs[order[at], 1]
-        turn = is_against[order[at]]
-        while root[a] != a:  # each hangs on its grandparent afterwards
-            turn ^= is_turned[a]
-            up = root[a]
-            is_turned[a] ^= is_turned[up]
-            root[a] = root[up]
-            a = up
-        while root[b] != b:
-            turn ^= is_turned[b]
-            up = root[b]
-            is_turned[b] ^= is_turned[up]
-            root[b] = root[up]
-            b = up
+        a, is_a_turned = _root(a, root, is_turned)
+        b, is_b_turned = _root(b, root, is_turned)
+        turn = is_against[order[at]] ^ is_a_turned ^ is_b_turned
         if a != b:
             root[max(a, b)] = min(a, b)
             is_turned[max(a, b)] = turn
