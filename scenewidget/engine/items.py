@@ -28,6 +28,7 @@ from scenewidget.engine.mesh import (
     IntArray,
     Mesh,
     MeshError,
+    ascending,
     connected_components,
     face_adjacency,
 )
@@ -415,17 +416,17 @@ def superfacet_items(
     island = monitor.call(far_apart, mesh, pairs, apart * whole)
     areas = np.bincount(island, mesh.face_areas)
     island = np.where(areas[island] >= max(SCENE, 100 / n_items) * total, island, 0).astype(np.int32)
-    frames, units, orders = [frame], [whole], []
-    if not island.any():
-        orders.append(monitor.call(geometric_order, mesh, frame))
-    else:
-        frames, units = [], []
-        for i in range(int(island.max()) + 1):
-            faces = np.flatnonzero(island == i)
+    n_islands = int(island.max()) + 1
+    frames, units, orders = [], [], []
+    for i in range(n_islands):
+        faces, alone, unit = np.flatnonzero(island == i), mesh, whole
+        if n_islands > 1:
             alone = mesh.part(faces)
-            frames.append(monitor.call(own_frame, alone.face_centroids, alone.face_areas))
-            units.append(scene_scale(alone, frames[-1]) if scale == "auto" else whole)
-            orders.append(faces[monitor.call(geometric_order, alone, frames[-1])])
+            frame = monitor.call(own_frame, alone.face_centroids, alone.face_areas)
+            unit = scene_scale(alone, frame) if scale == "auto" else whole
+        frames.append(frame)
+        units.append(unit)
+        orders.append(faces[monitor.call(geometric_order, alone, frame)])
     order = np.concatenate(orders)
     ordered, island = mesh.chosen(order), island[order]
     place = np.empty(mesh.n_faces, dtype=np.int32)
@@ -535,7 +536,7 @@ def _superfacets(
     links = np.concatenate([pairs, bridges])
     steps = normals[links[:, 0]] - normals[links[:, 1]]
     weights = 0.5 * np.einsum("ij,ij->i", steps, steps)  # 1 − N_i·N_j, whose digits float32 would lose
-    order = monitor.call(_ascending, weights)
+    order = monitor.call(ascending, weights)
     monitor.tick(0.7)
     areas, smallest = mesh.face_areas, min(item_area, float(mesh.face_areas.sum()) / FEWEST_ITEMS)
     grown = monitor.call(
@@ -563,14 +564,6 @@ def _superfacets(
         "bridges between fragments": len(bridges),
     }
     return _Superfacets(item, face_map, normals, links, report)
-
-
-def _ascending(weights: FloatArray) -> IntArray:
-    """``np.argsort(weights, kind="stable")`` of float32 ≥ 0: bits of such numbers are in their order."""
-    key = weights.view(np.uint32).astype(np.uint64) << np.uint64(32)
-    key |= np.arange(len(weights), dtype=np.uint64)
-    key.sort()
-    return (key & np.uint64(0xFFFFFFFF)).astype(np.int64)
 
 
 def patch_items(

@@ -429,6 +429,11 @@ def ascending(values: FloatArray | IntArray) -> IntArray:
     >>> ascending(np.array([2.0, 1.0, 2.0])).tolist()
     [1, 0, 2]
     """
+    if values.dtype == np.float32 and values.min(initial=0.0) >= 0:  # whose bits are in their order
+        key = (values + np.float32(0)).view(np.uint32).astype(np.uint64) << np.uint64(32)
+        key |= np.arange(len(values), dtype=np.uint64)
+        key.sort()
+        return (key & np.uint64(0xFFFFFFFF)).astype(np.int64)
     order = np.argsort(values)  # several times as fast as a stable one, which only ties want
     ordered = values[order]
     return np.argsort(values, kind="stable") if np.any(ordered[1:] == ordered[:-1]) else order

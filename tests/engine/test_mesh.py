@@ -13,6 +13,7 @@ from scenewidget.engine.mesh import (
     MAX_FAN,
     Mesh,
     MeshError,
+    ascending,
     connected_components,
     face_adjacency,
     shared_edge_lengths,
@@ -221,3 +222,12 @@ def test_what_is_known_of_faces_goes_with_those_chosen():
     np.testing.assert_array_equal(chosen.face_vectors, anew.face_vectors)
     np.testing.assert_array_equal(chosen.face_normals, anew.face_normals)
     assert not chosen.face_areas.flags.writeable
+
+
+@given(
+    st.lists(st.sampled_from([0.0, -0.0, 0.5, 1e-30, 3.0, -2.0, np.inf, np.nan]), max_size=12),
+    st.sampled_from([np.float32, np.float64]),
+)
+def test_ascending_is_a_stable_order_of_any_numbers(values, dtype):
+    values = np.array(values, dtype)
+    assert ascending(values).tolist() == np.argsort(values, kind="stable").tolist()
