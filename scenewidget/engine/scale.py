@@ -29,7 +29,7 @@ STEPS = 2**20  # places told apart along a scene: far finer than a scan is, far 
 
 
 def scene_scale(mesh: Mesh, frame: FloatArray | None = None) -> float:
-    """Metres in a unit of a scene: 1 for rooms, whatever their size in rooms; less for what is smaller.
+    """Metres in a unit of a scene: 1 for rooms and flats, less for what is smaller, more for halls.
 
     s = min(√(area / 20 m²), median(1, length / 4.8 m, height / 2.5 m)): a scene is smaller than a room where
     it is both shorter and lower than one, or has less surface; and larger where it is both longer and higher,
