@@ -5,10 +5,11 @@ from __future__ import annotations
 import operator
 import sys
 import warnings
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-__all__ = ["checked_count", "checked_whole", "warn_caller"]
+__all__ = ["checked_count", "checked_whole", "did_you_mean", "warn_caller"]
 
 _PACKAGE = str(Path(__file__).parent.parent)
 
@@ -74,6 +75,29 @@ def checked_whole(name: str, value: Any) -> int:
     if isinstance(value, bool) or not hasattr(value, "__index__"):
         raise TypeError(f"{name} must be a whole number, got {value!r:.200}")
     return operator.index(value)
+
+
+def did_you_mean(name: str, names: Iterable[str], *, alike: float = 0.6) -> str:
+    """What to say of a name that is unknown but much like a known one; "" if none is.
+
+    Parameters
+    ----------
+    name : str
+    names : iterable of str
+        Those that are known.
+    alike : float
+        How much, from 0 to 1, as `difflib` counts.
+
+    Examples
+    --------
+    >>> from scenewidget.engine.checks import did_you_mean
+    >>> did_you_mean("n_segment", ["n_items", "n_segments"]), did_you_mean("colour", ["n_segments"])
+    ("did you mean 'n_segments'?", '')
+    """
+    import difflib
+
+    close = difflib.get_close_matches(name, list(names), n=1, cutoff=alike)
+    return f"did you mean {close[0]!r}?" if close else ""
 
 
 def warn_caller(message: str) -> None:

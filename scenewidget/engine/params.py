@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeVar, get_args
 
 from scenewidget.engine.allocation import Allocation
-from scenewidget.engine.checks import checked_whole
+from scenewidget.engine.checks import checked_whole, did_you_mean
 from scenewidget.engine.consensus import Leftover
 from scenewidget.engine.dihedral import SlotMapping
 from scenewidget.engine.ensemble import MemberInit
@@ -97,11 +97,8 @@ def _explaining_typos(cls: type[_T]) -> type[_T]:
 def _check_names(given: Iterable[str], names: list[str]) -> None:
     for name in given:
         if name not in names:
-            import difflib
-
-            close = difflib.get_close_matches(name, names, n=1)
-            hint = f"; did you mean {close[0]!r}?" if close else f"; options are {', '.join(names)}"
-            raise TypeError(f"Params has no option {name!r}{hint}")
+            hint = did_you_mean(name, names) or f"options are {', '.join(names)}"
+            raise TypeError(f"Params has no option {name!r}; {hint}")
 
 
 @_explaining_typos

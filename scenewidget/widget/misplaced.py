@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
 import inspect
 from collections.abc import Mapping
 
 from scenewidget.editing.session import Session
+from scenewidget.engine.checks import did_you_mean
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation
-from scenewidget.widget.scene_view import SceneView
+from scenewidget.widget.scene_view import LIKE, SceneView
 
 __all__ = ["place_to_get", "place_to_set", "refuse_options"]
-
-LIKE = 0.75  # of two names, as difflib counts, that one is probably the other
 
 
 def place_to_set(kind: type, name: str, view: str = "view") -> str:
@@ -42,8 +40,7 @@ def place_to_set(kind: type, name: str, view: str = "view") -> str:
     if name in inspect.signature(kind).parameters:
         return f"give it when the widget is made: {kind.__name__}(…, {name}=…)"
     own = [*getattr(kind, "class_own_traits", dict)(), "view", "height", "observe"]
-    near = difflib.get_close_matches(name, own, n=1, cutoff=LIKE)
-    return f"did you mean {near[0]!r}?" if near else ""
+    return did_you_mean(name, own, alike=LIKE)
 
 
 def place_to_get(name: str) -> str:
@@ -94,8 +91,7 @@ def refuse_options(kind: type, options: Mapping[str, object]) -> None:
         raise TypeError(f"{kind.__name__} takes options of the method in Params: write {way}")
     parameters = inspect.signature(kind).parameters.values()
     there = [p.name for p in parameters if p.kind is not p.VAR_KEYWORD]
-    near = difflib.get_close_matches(name, there, n=1, cutoff=LIKE)
-    hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(there)}"
+    hint = did_you_mean(name, there, alike=LIKE) or f"there are: {', '.join(there)}"
     if name in SceneView.class_traits():
         hint = f"set it of the picture, once it is made: w.view.{name} = …"
     if name == "width":

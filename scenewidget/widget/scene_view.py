@@ -7,7 +7,6 @@ stands in `scenewidget.widget.wire`, how segments get their colours in `scenewid
 
 from __future__ import annotations
 
-import difflib
 import math
 import os
 import secrets
@@ -26,6 +25,7 @@ from scenewidget.editing.formats.seal import write_files
 from scenewidget.editing.snapshot import Snapshot
 from scenewidget.engine.atoms import Atoms, common_refinement
 from scenewidget.engine.boxes import oriented_boxes
+from scenewidget.engine.checks import did_you_mean
 from scenewidget.engine.family import Family
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
@@ -48,6 +48,7 @@ from scenewidget.widget.wire import (
 
 __all__ = ["SceneView"]
 
+LIKE = 0.75  # of two names, that one is probably the other
 SAVE_STATES = ("", "unsaved", "saving", "saved", "failed", "read-only")
 WHOLE = [(0.0, 1.0)] * 3
 LEAST_HEIGHT = 120
@@ -343,9 +344,9 @@ class SceneView(FaultTolerant, anywidget.AnyWidget):
     def __setattr__(self, name: str, value: Any) -> None:
         """As of any object; what looks like a trait spelled otherwise is refused with its name."""
         if not name.startswith("_") and not hasattr(type(self), name) and name != "mesh":
-            near = difflib.get_close_matches(name, _option_names(), n=1, cutoff=0.75)
-            if near:
-                raise AttributeError(f"a SceneView has no {name!r} to set; did you mean {near[0]!r}?")
+            hint = did_you_mean(name, _option_names(), alike=LIKE)
+            if hint:
+                raise AttributeError(f"a SceneView has no {name!r} to set; {hint}")
         super().__setattr__(name, value)
 
     def twin(self, **options: Any) -> SceneView:
