@@ -3,7 +3,8 @@
 `SceneWidget` and `Compare` are what people put into a cell; they join the parts:
 
 ==================  =============================================================================
-``scene_view``      the picture: its state, and the segments that it shows
+``scene_view``      the picture, and the segments that it shows
+``scene_state``     what Python and the page share about it: the list of traits
 ``wire``            how arrays and messages cross between the picture and the browser
 ``segment_colors``  which colour a segment has, and how it lasts over edits
 ``edit_commands``   what a person does in the picture goes to the `Session`, and back into the picture

@@ -257,13 +257,6 @@ def test_wrong_values_are_refused(view):
 # --- the door ---
 
 
-@pytest.mark.parametrize("section", [[(0, 1), (0.5, 0.5), (0, 1)], [(0, 1), (0, 1.5), (0, 1)]])
-def test_a_section_that_is_none_is_refused(view, section):
-    with pytest.raises(ValueError, match=r"section must hold pairs 0 <= low < high <= 1, got"):
-        view.section = section
-    assert view.section == [(0, 1)] * 3
-
-
 def test_only_a_mesh_can_be_shown():
     with pytest.raises(TypeError, match="mesh must be a Mesh, got str"):
         SceneView("scan.ply")
