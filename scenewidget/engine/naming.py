@@ -15,10 +15,14 @@ from scenewidget.engine.pieces import Pieces
 __all__ = ["name_segments"]
 
 ROOM = 7.0  # m² of surface below which a scan shows no room, and its lowest plane may be a table
-FLAT = 0.85  # least length of the mean normal of what faces one way
+FLAT = 0.42  # least length of the mean normal of what faces one way
+EVEN = 0.55  # the same of what is to be floor without being the largest part of it
 LEVEL = 0.95  # least cosine between the normal of floor or ceiling and the vertical
+ABOUT_LEVEL = 0.9  # the same of a small part of a floor, which noise tilts
 UPRIGHT = 0.2  # most cosine between the normal of a wall and the vertical
+SPECK = 2e-4  # of the scene's area: what is smaller may be anything
 BEYOND = 0.02  # most of the scene's area that may lie behind what bounds the room
+SAME_LEVEL = 0.08  # metres by which parts of one floor differ in height
 TABLE = (0.62, 0.82)  # height of a table's top above the floor, metres
 THIN = 0.08  # standard deviation of a table across its top, metres: what is thicker has drawers or cushions
 
@@ -65,6 +69,13 @@ def name_segments(pieces: Pieces, up: FloatArray) -> dict[int, tuple[str, float]
     if len(flat_up):
         floor = int(flat_up[np.argmax(area[flat_up])])
         out[floor] = ("floor", 0.95)
+        ground = float(center[floor] @ up)
+        # things on the floor touch it; what lies as low without doing so is floor that is seen elsewhere
+        is_level = (length > EVEN * area) & (rising > ABOUT_LEVEL)
+        is_level &= np.abs(center @ up - ground) < SAME_LEVEL
+        is_level &= ~_touching(pieces, n, out, "floor") & (area > SPECK * total)
+        for s in np.flatnonzero(is_level):
+            out.setdefault(int(s), ("floor", 0.9))
     flat_down = is_flat & (rising < -LEVEL) & (behind < BEYOND) & (area > 0.03 * total)
     for s in np.flatnonzero(flat_down):
         out[int(s)] = ("ceiling", 0.95)
@@ -76,12 +87,11 @@ def name_segments(pieces: Pieces, up: FloatArray) -> dict[int, tuple[str, float]
         out[int(s)] = ("wall", 0.92)
     tops = [float(center[s] @ up) for s in np.flatnonzero(flat_down)]
     if tops:  # what stands even and upright up to the ceiling is a wall, or a part of one
-        is_even = length > 0.97 * area
+        is_even = length > 0.48 * area
         reaches = high > max(tops) - 0.15
         for s in np.flatnonzero(is_even & reaches & (np.abs(rising) < 0.1) & (area > 0.8)):
             out.setdefault(int(s), ("wall", 0.92))
     if len(flat_up):
-        ground = center[floor] @ up
         above = center @ up - ground
         spread = np.sqrt(np.maximum(moments.principal()[0], 0.0) / np.maximum(area, 1e-300)[:, None])
         is_top = (vectors @ up > FLAT * area) & (above > TABLE[0]) & (above < TABLE[1])
@@ -90,7 +100,7 @@ def name_segments(pieces: Pieces, up: FloatArray) -> dict[int, tuple[str, float]
             out.setdefault(int(s), ("table", 0.9))
         if tops:
             hangs = (low - ground > 1.5) & (high > max(tops) - 1.1) & (area > 0.15) & (area < 1.5)
-            is_round = (length < 0.42 * area) & (spread[:, 2] < 0.25)
+            is_round = (length < 0.21 * area) & (spread[:, 2] < 0.25)
             for s in np.flatnonzero(hangs & is_round & ~_touching(pieces, n, out, "wall")):
                 out.setdefault(int(s), ("lamp", 0.9))
     return out

@@ -141,7 +141,7 @@ def make_pieces(
     face_piece[keep] = index
     first_face = np.zeros(n, dtype=np.int64)
     first_face[index[::-1]] = np.flatnonzero(keep)[::-1]
-    vectors = np.stack([np.bincount(index, v[keep], n) for v in mesh.face_vectors.T], axis=1)
+    vectors = 0.5 * np.stack([np.bincount(index, v[keep], n) for v in mesh.face_vectors.T], axis=1)
     pairs, length = _seams(mesh, face_piece, n, face_adjacency(mesh), close_borders(mesh, scale))
     return Pieces(
         labels,
