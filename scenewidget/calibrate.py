@@ -169,6 +169,9 @@ def fit(examples: list[Example]) -> Models:
     apart = fit_logistic(*_stacked([_gaps(e) for e in examples]), LIMITS["apart"])
     models = FITTED._replace(same=same, two=two, apart=apart)
     usual = [(e, doubts(e.pieces, e.keys, e.runs, models=models)) for e in examples]
+    each = fit_logistic(*_stacked([_each(e, d, same) for e, d in usual]), LIMITS["each"])
+    likeliest = fit_logistic(*_stacked([_likeliest(e, d, two) for e, d in usual]), LIMITS["likeliest"])
+    models = models._replace(each=each, likeliest=likeliest)
     rest = fit_logistic(*_stacked([_faces(e, d, "rest") for e, d in usual]), LIMITS["rest"])
     foreign = fit_logistic(*_stacked([_faces(e, d, "foreign") for e, d in usual]), LIMITS["foreign"])
     return models._replace(rest=rest, foreign=foreign)
@@ -231,14 +234,24 @@ def _table(e: Example) -> FloatArray:
 def _borders(e: Example, d: Doubt) -> Rows:
     """Whether it is better to join segments that touch than not; large ones count more.
 
-    By the fourth root of the pairs of faces in question: of counting borders alike, which says best how many
-    are wrong, and counting what they cost, which says best which suggestions help, the middle.
+    By the root of the pairs of faces in question, the middle of counting borders alike, which says best how
+    many are wrong, and counting what they cost, which says best which suggestions help.
     """
     table, borders = _table(e), d.borders
     one, other = table[borders.first], table[borders.second]
     mass = one.sum(axis=1) * other.sum(axis=1)
-    same = 2 * (one * other).sum(axis=1) > mass
-    return _weighted(borders.measures[mass > 0], same[mass > 0], np.sqrt(mass[mass > 0]))
+    same = np.asarray(2 * (one * other).sum(axis=1) > mass)
+    return _weighted(borders.measures[mass > 0], same[mass > 0], mass[mass > 0])
+
+
+def _each(e: Example, d: Doubt, weights: tuple[float, ...]) -> Rows:
+    """Whether segments that touch are mostly of one thing; all count alike."""
+    table, borders = _table(e), d.borders
+    is_known, mostly = table.sum(axis=1) > 0, table.argmax(axis=1)
+    keep = is_known[borders.first] & is_known[borders.second]
+    odds = weights[0] + borders.measures[keep] @ np.array(weights[1:])
+    same = np.equal(mostly[borders.first[keep]], mostly[borders.second[keep]])
+    return odds[:, None], same.astype(float), np.ones(len(odds))
 
 
 def _gaps(e: Example) -> Rows:
@@ -264,6 +277,20 @@ def _cuts(e: Example, d: Doubt) -> Rows:
         rows.append((cuts.measures[mass > 0], two[mass > 0].astype(float), mass[mass > 0]))
     measures, two, mass = _stacked(rows)
     return _weighted(measures, two, mass)
+
+
+def _likeliest(e: Example, d: Doubt, weights: tuple[float, ...]) -> Rows:
+    """Whether the sides of the likeliest cut of each segment are mostly of two things; all count alike."""
+    odds, two = [np.empty(0)], [np.empty(0)]
+    for s, cuts in enumerate(d.cuts):
+        if cuts is None or not cuts.n:
+            continue
+        small = e.things[d.side(s)].sum(axis=0)
+        large = e.things[cuts.order].sum(axis=0) - small
+        if small.any() and large.any():
+            odds.append(weights[0] + cuts.measures[d.best[s]] @ np.array([weights[1:]]).T)
+            two.append(np.array([small.argmax() != large.argmax()], dtype=float))
+    return np.concatenate(odds)[:, None], np.concatenate(two), np.ones(sum(map(len, two)))
 
 
 def _faces(e: Example, d: Doubt, kind: str) -> Rows:

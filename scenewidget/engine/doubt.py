@@ -32,6 +32,7 @@ __all__ = [
     "Gaps",
     "Models",
     "doubts",
+    "judged_anew",
     "logistic",
     "measure_borders",
     "measure_cuts",
@@ -43,6 +44,7 @@ SMALLEST = 2e-4  # share of the scene below which the side of a cut is not worth
 FAINT = 0.003  # times the scale: distances from a plane below this are noise
 ABOUT = 0.03  # times the scale: that much apart, planes of things that don't touch are as good as one
 NO_ENSEMBLE = 0.3  # agreement that is assumed of segments that no ensemble made: that of the usual neighbours
+NO_PIECES = 20.0  # pieces of a square scale that are assumed of them: as many as an ensemble has
 ONE_WAY = 0.8  # least cosine between the normals of what may go on behind something
 ONE_PLANE = 0.2  # times the scale: most distance from the plane of the other
 ALMOST = 0.999  # no single reason makes anything surer than this
@@ -57,6 +59,10 @@ class Models(NamedTuple):
         That two segments are one thing.
     two : (1 + 3,) of `Cuts.measures`
         That the two sides of a cut are two things.
+    each, likeliest : (1 + 1,)
+        The same of the log-odds under ``same`` and ``two``, which weigh by what it costs to be wrong: of a
+        border where all count alike, and of the likeliest cut of a segment, as the best of many looks better
+        than it is.
     apart : (1 + 4,) of `Gaps.measures`
         That two segments that don't touch are one thing.
     rest : (1 + 2,)
@@ -69,11 +75,13 @@ class Models(NamedTuple):
     Examples
     --------
     >>> [len(weights) for weights in FITTED]
-    [6, 4, 5, 3, 3]
+    [6, 4, 2, 2, 5, 3, 3]
     """
 
     same: tuple[float, ...]
     two: tuple[float, ...]
+    each: tuple[float, ...]
+    likeliest: tuple[float, ...]
     apart: tuple[float, ...]
     rest: tuple[float, ...]
     foreign: tuple[float, ...]
@@ -85,16 +93,20 @@ RISING, FALLING, WHOLE = (0.0, np.inf), (-np.inf, 0.0), (1.0, 1.0)
 LIMITS = {
     "same": (RISING, RISING, FALLING, FALLING, RISING),
     "two": (FALLING, RISING, FALLING),
+    "each": (RISING,),
+    "likeliest": (RISING,),
     "apart": (RISING, FALLING, FALLING, FALLING),
     "rest": (WHOLE, FALLING),
     "foreign": (WHOLE, RISING),
 }
 
 FITTED = Models(
-    same=(-4.687, 1.803, 3.301, -0.565, -0.419, 1.726),
+    same=(-3.597, 1.549, 3.292, -0.734, -0.472, 1.970),
     two=(1.925, -1.263, 1.124, -0.291),
+    each=(0.442, 0.844),
+    likeliest=(-1.113, 0.518),
     apart=(-10.337, 3.948, -2.831, -0.852, -0.912),
-    rest=(-4.811, 1.000, -1.034),
+    rest=(-4.677, 1.000, -1.033),
     foreign=(-0.698, 1.000, 0.000),
 )
 
@@ -119,8 +131,8 @@ class Borders:
         Share of the border where the surface bulges.
     facing : (n,) float64
         Dot product of the two mean normals.
-    size : (n,) float64
-        Area of the smaller, m².
+    n_pieces : (n,) float64
+        Pieces that the smaller is made of: its size by what the scan resolves.
     scale : float
         Of the scene.
 
@@ -146,7 +158,7 @@ class Borders:
     offset: FloatArray
     convex: FloatArray
     facing: FloatArray
-    size: FloatArray
+    n_pieces: FloatArray
     scale: float
 
     @property
@@ -161,7 +173,7 @@ class Borders:
                 self.by_graph,
                 self.by_medoids,
                 np.log(self.offset / self.scale + FAINT),
-                np.log(self.size / self.scale**2 + 1e-4),
+                np.log(self.n_pieces),
                 self.convex * (1.0 - self.facing),
             ],
             axis=1,
@@ -404,13 +416,14 @@ def doubts(
         if found is not None and found.n:
             p = logistic(models.two, found.measures)
             best[s] = p.argmax()
-            two[s] = p[best[s]]
+            two[s] = judged_anew(p[best[s]], models.likeliest)
             _spread(found, p, worst)
     reasons = np.log(0.05 - np.log1p(-np.minimum(worst, ALMOST)))
     away = np.log(_from_plane(pieces, n) / pieces.scale + FAINT)
     foreign_measures = np.stack([reasons, away], axis=1)
     right = 1.0 - logistic(models.rest, rest_measures)[pieces.segment]
     right *= 1.0 - logistic(models.foreign, foreign_measures)
+    same = judged_anew(same, models.each)
     return Doubt(pieces, borders, same, cuts, two, best, rest_measures, foreign_measures, 1.0 - right)
 
 
@@ -451,6 +464,25 @@ def logistic(weights: tuple[float, ...], measures: FloatArray) -> FloatArray:
     """
     score = weights[0] + measures @ np.asarray(weights[1:])
     return np.asarray(1.0 / (1.0 + np.exp(-np.clip(score, -30.0, 30.0))))
+
+
+def judged_anew(p: FloatArray, weights: tuple[float, ...]) -> FloatArray:
+    """Probabilities of one model under another one, of their log-odds.
+
+    Parameters
+    ----------
+    p : (…) float64
+        Between 0 and 1.
+    weights : (2,) tuple of float
+        `Models.each` or `Models.likeliest`.
+
+    Examples
+    --------
+    >>> judged_anew(np.array([0.5, 0.9]), (0.0, 0.5)).round(2)
+    array([0.5 , 0.75])
+    """
+    p = np.asarray(p)
+    return logistic(weights, (np.log(p) - np.log1p(-p))[..., None])
 
 
 def run_kinds(
@@ -522,6 +554,9 @@ def measure_borders(pieces: Pieces, by_graph: IntArray | None, by_medoids: IntAr
     _, vectors = segments.principal()
     facing = mean_normals(pieces.vectors, pieces.segment, n)
     together = [_agreement(pieces, keys, n)[first, second] for keys in (by_graph, by_medoids)]
+    count = np.bincount(pieces.segment, minlength=n).astype(np.float64)
+    if by_graph is None and by_medoids is None:
+        count = np.maximum(NO_PIECES * segments.area / pieces.scale**2, 1.0)
     return Borders(
         first,
         second,
@@ -532,7 +567,7 @@ def measure_borders(pieces: Pieces, by_graph: IntArray | None, by_medoids: IntAr
         _offset(_taken(segments, smaller), segments.centroid[larger], vectors[larger, :, 0]),
         np.divide(convex, total, out=np.zeros(len(codes)), where=total > 0),
         np.einsum("ij,ij->i", facing[first], facing[second]),
-        segments.area[smaller],
+        count[smaller],
         pieces.scale,
     )
 
