@@ -26,7 +26,9 @@ from scenewidget.engine.doubt import (
     measure_gaps,
     run_kinds,
 )
+from scenewidget.engine.gravity import up_direction
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray
+from scenewidget.engine.naming import name_segments
 from scenewidget.engine.pieces import Pieces
 from scenewidget.engine.segmentation import Level, Segmentation
 
@@ -46,6 +48,7 @@ WORTH = 1e-4  # gain below which there is nothing more to look at
 SuggestionKey = tuple[str, frozenset[int], int]
 Model = Literal["same", "two", "apart", ""]
 NOTHING = np.empty(0, np.int64)
+_Lesson = tuple[FloatArray, float, float]  # what a model weighs, what a person decided, how much that counts
 
 
 @dataclass(frozen=True)
@@ -237,6 +240,7 @@ class Advisor:
         self.pieces: Pieces = self.start.pieces
         self.graph_keys, self.medoid_keys = run_kinds(self.automatic.keys, self.automatic.report.get("runs"))
         self.gaps = measure_gaps(self.pieces, self.graph_keys)
+        self.up = up_direction(self.automatic.mesh)
 
     def suggest(self, partition: Partition, n: int, dismissed: Sequence[Dismissal]) -> list[Suggestion]:
         """At most n suggestions, the largest expected gain first.
@@ -309,27 +313,30 @@ class _Look:
     def _learn(self, dismissed: Sequence[Dismissal]) -> None:
         """Log-odds that what was decided so far adds to borders and cuts."""
         before, now = self.advisor.start, self.doubt
-        home = np.zeros(len(before.two), dtype=np.int64)  # where most of each automatic segment is
         table = np.zeros((len(before.two), len(self.ids)))
         np.add.at(table, (before.pieces.segment, now.pieces.segment), before.pieces.n_faces)
-        home = table.argmax(axis=1)
-        rows: dict[str, list[tuple[FloatArray, float]]] = {"same": [], "two": [], "apart": []}
+        home = table.argmax(axis=1)  # where most of each automatic segment is
+        rows: dict[str, list[_Lesson]] = {"same": [], "two": [], "apart": []}
         b = before.borders
-        for k in np.flatnonzero(home[b.first] == home[b.second]):
-            rows["same"].append((b.measures[k], 1.0))
+        joined = np.flatnonzero(home[b.first] == home[b.second])
+        n_borders = np.bincount(home[b.first[joined]], minlength=len(self.ids))
+        n_decisions = np.bincount(home, minlength=len(self.ids)) - 1  # one may touch several of a group
+        share = np.minimum(n_decisions / np.maximum(n_borders, 1), 1.0)
+        for k in joined:
+            rows["same"].append((b.measures[k], 1.0, float(share[home[b.first[k]]])))
         b = now.borders
         for k in np.flatnonzero(self._apart[b.first, b.second]):
-            rows["same"].append((b.measures[k], 0.0))
+            rows["same"].append((b.measures[k], 0.0, 1.0))
         for s in np.flatnonzero((table > 0).sum(axis=1) > 1):
             cuts = before.cuts[s]
             side = before.side(int(s))
             if cuts is not None and len(side):
                 is_away = now.pieces.segment[side] != home[s]
                 if is_away.mean() > 0.5:
-                    rows["two"].append((cuts.measures[int(before.best[s])], 1.0))
+                    rows["two"].append((cuts.measures[int(before.best[s])], 1.0, 1.0))
         for dismissal in dismissed:
             if dismissal.model:
-                rows[dismissal.model].append((dismissal.measures, 0.0))
+                rows[dismissal.model].append((dismissal.measures, 0.0, 1.0))
         cut = [cuts.measures for cuts in before.cuts if cuts is not None]
         spread = {
             "same": before.borders.measures,
@@ -352,7 +359,7 @@ class _Look:
         return self._joined("same", *ends, p, borders.measures, self._why_same)
 
     def gaps(self) -> list[_Found]:
-        """Whole segments onto larger ones in the same plane, from which something else parts them."""
+        """Whole segments onto larger ones in the same plane, and parts of the floor, behind something."""
         gaps = measure_gaps(self.pieces, self.advisor.graph_keys)
         p = self._lessons["apart"].probability(gaps.measures)
 
@@ -360,7 +367,24 @@ class _Look:
             words = [f"{_length(float(gaps.gap[k]))} apart", self._off_plane(float(gaps.offset[k]))]
             return ", ".join([*words, f"together in {gaps.agreement[k]:.0%} of the runs"])
 
-        return self._joined("apart", gaps.first, gaps.second, p, gaps.measures, why)
+        up = self.advisor.up
+        names = {} if up is None else name_segments(self.pieces, up)
+        floor = {segment: p for segment, (name, p) in names.items() if name == "floor"}
+        is_floor = np.isin(gaps.first, [*floor]) & np.isin(gaps.second, [*floor])
+        behind = self._joined(
+            "apart", gaps.first, gaps.second, np.where(is_floor, 0.0, p), gaps.measures, why
+        )
+        return behind + self._floors(floor)
+
+    def _floors(self, floor: dict[int, float]) -> list[_Found]:
+        """Floor that is seen elsewhere, onto the largest part of it."""
+        if len(floor) < 2:
+            return []
+        parts = np.array(sorted(floor, key=lambda s: -self.size[s]))
+        first, second = np.full(len(parts) - 1, parts[0]), parts[1:]
+        p = np.array([floor[int(parts[0])] * floor[int(s)] for s in second])
+        why = "as low as the floor, without touching it"
+        return self._joined("", first, second, p, np.empty((len(p), 0)), lambda k: why)
 
     def _joined(
         self,
@@ -513,17 +537,15 @@ class _Lessons:
     weights: tuple[float, ...]
     spread: FloatArray  # of each measure
     measures: FloatArray  # (n, m) of what was decided, in spreads
-    surprise: FloatArray  # (n,) decision less probability
+    surprise: FloatArray  # (n,) decision less probability, times its weight
 
     @classmethod
-    def of(
-        cls, rows: list[tuple[FloatArray, float]], weights: tuple[float, ...], population: FloatArray
-    ) -> _Lessons:
+    def of(cls, rows: list[_Lesson], weights: tuple[float, ...], population: FloatArray) -> _Lessons:
         m = len(weights) - 1
         spread = population.std(axis=0) + 1e-3 if len(population) else np.ones(m)
-        measures = np.array([row for row, _ in rows]).reshape(-1, m)
-        outcome = np.array([value for _, value in rows])
-        surprise = outcome - logistic(weights, measures) if len(rows) else np.empty(0)
+        measures = np.array([row for row, _, _ in rows]).reshape(-1, m)
+        outcome, weight = np.array([row[1:] for row in rows]).reshape(-1, 2).T
+        surprise = weight * (outcome - logistic(weights, measures))
         return cls(weights, spread, measures / spread, surprise)
 
     def probability(self, measures: FloatArray) -> FloatArray:

@@ -305,3 +305,22 @@ def test_a_wall_that_goes_on_behind_something_may_be_one():
     made = sw.Segmentation(mesh, labels, levels={"base": labels.astype(np.int32)}, keys=np.zeros((3, 2), int))
     whys = [s.why for s in sw.Session(mesh, made).suggestions()]
     assert any("apart, same plane" in why for why in whys), whys
+
+
+def test_floor_that_is_seen_elsewhere_is_to_be_merged_with_the_floor():
+    """The room without a strip of its floor: what lies beyond touches none of the rest."""
+    mesh, truth = sw.datasets.load_room()
+    names = truth.suggest_names()
+    (floor,) = (s for s, (name, _) in names.items() if name == "floor")
+    x = mesh.face_centroids[:, 0]
+    low, high = np.percentile(x[truth.labels == floor], [70, 80])
+    keep = (truth.labels != floor) | (x < low) | (x > high)
+    labels = np.where((truth.labels == floor) & (x > high), truth.n_segments, truth.labels)[keep]
+    part = sw.Mesh(mesh.vertices, mesh.faces[keep])
+    seg = sw.Segmentation(
+        part, labels, levels={"base": labels.astype(np.int32)}, keys=np.arange(truth.n_segments + 1)[:, None]
+    )
+    assert seg.suggest_names()[truth.n_segments][0] == "floor"
+    (found,) = [s for s in sw.Session(part, seg).suggestions(20) if "as low as the floor" in s.why]
+    assert {int(labels[found.face]), int(labels[found.onto_face])} == {floor, truth.n_segments}
+    assert found.p > 0.6
