@@ -99,7 +99,7 @@ class PointCloud(Mesh):
     def _keep(self, name: str, value: Any, dtype: Any) -> None:
         """Set a read-only array a point, or one for all where it is a position."""
         if value is not None:
-            array = np.array(value, dtype=dtype)
+            array: Any = np.array(value, dtype=dtype)
             wanted = [(self.n_faces, 3)] + ([(3,)] if name == "viewpoint" else [])
             if array.shape not in wanted:
                 short = name.removeprefix("given_")
@@ -108,7 +108,9 @@ class PointCloud(Mesh):
                 length = np.linalg.norm(array, axis=1, keepdims=True)
                 is_usable = np.isfinite(length) & (length > 0)
                 array = np.where(is_usable, array, 0) / np.where(is_usable, length, 1)
-            array.flags.writeable = False
+                array = array if is_usable.any() else None  # as programs write that have none
+            if array is not None:
+                array.flags.writeable = False
             value = array
         object.__setattr__(self, name, value)
 
@@ -175,13 +177,25 @@ class PointCloud(Mesh):
         """(n_points, 3) unit normals, zero where a point has too few neighbours."""
         given = self.given_normals  # type: ignore[attr-defined]  # set by _keep
         if given is not None:
-            return np.asarray(given, dtype=np.float64)
+            return self._completed(np.asarray(given, dtype=np.float64))
         normals = self._tangent_planes()
         viewpoint = self.viewpoint  # type: ignore[attr-defined]  # as above
         if viewpoint is not None:
             away = np.einsum("ij,ij->i", normals, self.points - viewpoint) > 0
             return np.where(away[:, None], -normals, normals)
         return self._consistent(normals)
+
+    def _completed(self, given: FloatArray) -> FloatArray:
+        """Given normals, and those of tangent planes where some are missing, turned as the nearest."""
+        is_bare = ~given.any(axis=1)
+        if not is_bare.any():
+            return given
+        planes = self._tangent_planes()[is_bare]
+        _, nearest = cKDTree(self.points[~is_bare]).query(self.points[is_bare])
+        looks_away = np.einsum("ij,ij->i", planes, given[~is_bare][nearest]) < 0
+        out = given.copy()
+        out[is_bare] = np.where(looks_away[:, None], -planes, planes)
+        return out
 
     @property
     def has_sides(self) -> bool:

@@ -45,6 +45,7 @@ _CLOUD_READERS: dict[str, Callable[[Path, Notes], Scan]] = {
     "glb": gltf.read,
     "gltf": gltf.read,
     "obj": obj.read,
+    "off": off.read,
     **dict.fromkeys(("xyz", "pts", "asc", "txt", "csv"), table.read),
 }
 

@@ -15,7 +15,7 @@ import numpy as np
 from scenewidget.engine.mesh import FloatArray, IntArray, MeshError
 from scenewidget.engine.readers.scan import MAX_PIXELS, ByteArray, Notes
 
-__all__ = ["Texture", "as_bytes", "at_vertices", "open_image", "to_linear", "to_srgb"]
+__all__ = ["Texture", "as_bytes", "at_vertices", "open_image", "to_linear", "to_srgb", "unpacked"]
 
 FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TGA", "TIFF", "GIF")
 STEP = 1 << 18  # corners sampled at once: temporary arrays stay small
@@ -52,6 +52,19 @@ def as_bytes(values: Any, notes: Notes, what: str = "colours") -> ByteArray | No
         notes.say(f"{what}: numbers up to {highest:g} were taken as {ranges.get(scale, '0–65535')}")
     out: ByteArray = np.clip(np.round(values * scale), 0, 255).astype(np.uint8)
     return out
+
+
+def unpacked(values: Any) -> ByteArray:
+    """(n, 3) uint8 of numbers that hold a colour in their bits, 0xRRGGBB with or without alpha above.
+
+    The ``values`` are integers, or 32-bit floats of the same bits.
+    """
+    values = np.asarray(values)
+    is_float = values.dtype.kind == "f"
+    bits = (
+        values.astype(np.float32).view(np.uint32) if is_float else values.astype(np.int64).astype(np.uint32)
+    )
+    return np.stack([bits >> 16 & 255, bits >> 8 & 255, bits & 255], axis=1).astype(np.uint8)
 
 
 def to_srgb(linear: FloatArray) -> ByteArray:

@@ -28,6 +28,7 @@ from scenewidget.engine.readers.scan import (
     ByteArray,
     Notes,
     Scan,
+    beside,
     check_size,
 )
 
@@ -120,8 +121,8 @@ class _File:
         parts = [part for part in re.split(r"[\\/]", unquote(uri)) if part not in ("", ".")]
         if not parts or ".." in parts or ":" in parts[0] or "\0" in uri:
             raise MeshError(f"refers to {uri[:80]!r}; only files beside it are read")
-        place = self.path.parent.joinpath(*parts)
-        if not place.is_file():
+        place = beside(self.path.parent, "/".join(parts))
+        if place is None:
             raise FileNotFoundError(f"{self.path.name!r} needs {uri[:200]!r} beside it, which does not exist")
         return place.read_bytes()
 
@@ -277,6 +278,9 @@ def _parts(file: _File) -> Iterator[_Part]:
         if number in seen or depth > MAX_DEPTH:
             raise MeshError("is damaged: its nodes don't form a tree")
         seen.add(number)
+        if node.get("extensions", {}).get("KHR_node_visibility", {}).get("visible") is False:
+            file.notes.say("the file hides some of its nodes: they are left out")
+            continue
         matrix = above @ _matrix(node)
         children = node.get("children", [])
         stack += [(child, matrix, depth + 1) for child in reversed(children)]
@@ -297,6 +301,8 @@ def _mesh(file: _File, index: Any, matrix: FloatArray) -> Iterator[_Part]:
     is_mirrored = np.linalg.det(matrix[:3, :3]) < 0
     for number, primitive in enumerate(file.entry("meshes", index).get("primitives", [])):
         mode = primitive.get("mode", 4)
+        if "targets" in primitive:
+            file.notes.say("the file has morph targets: meshes are read as they are before any is applied")
         if mode not in (0, 4, 5, 6):
             file.notes.say("the file also holds points or lines, which are left out")
             continue
@@ -509,14 +515,16 @@ def _material(file: _File, index: Any) -> tuple[FloatArray, Texture | None, int,
         base, factor_key = material.get("pbrMetallicRoughness", {}), "baseColorFactor"
         texture_key = "baseColorTexture"
     factor = _numbers(base.get(factor_key, [1, 1, 1, 1]), 4)[:3]
+    info = base.get(texture_key)
+    if "trimesh" in str(file.content["asset"].get("generator", "")):
+        factor = _factor_of_trimesh(factor, has_texture=info is not None)
     written = _bytes_as_floats(factor)
     if written is not None:
         file.notes.say(f"a base colour up to {factor.max():g} was taken as 0–255")
         factor = to_linear(written)
     factor = np.clip(factor, 0, 1)
-    info = base.get(texture_key)
-    if info is None and "emissiveTexture" in material and "baseColorFactor" not in base:
-        info = material["emissiveTexture"]  # scans whose light is in the picture
+    if info is None and "emissiveTexture" in material and (factor_key not in base or not factor.any()):
+        factor, info = np.ones(3), material["emissiveTexture"]  # scans whose light is in the picture
     if info is None:
         return factor, None, 0, {}
     transform = info.get("extensions", {}).get("KHR_texture_transform", {})
@@ -529,6 +537,16 @@ def _material(file: _File, index: Any) -> tuple[FloatArray, Texture | None, int,
         wrap = tuple(WRAPS.get(sampler.get(key, 0), "repeat") for key in ("wrapS", "wrapT"))
         texture = Texture(pixels, is_bottom_up=False, wrap=(wrap[0], wrap[1]))
     return factor, texture, coordinates, transform
+
+
+def _factor_of_trimesh(factor: FloatArray, *, has_texture: bool) -> FloatArray:
+    """Linear light of a base colour that trimesh wrote: it writes bytes for screens, as at vertices.
+
+    Its textured materials have a grey of 102 that nobody chose, which would darken the picture.
+    """
+    if has_texture and np.allclose(factor, 102 / 255, atol=1e-6):
+        return np.ones(3)
+    return np.asarray(to_linear(np.round(255 * np.clip(factor, 0, 1)).astype(np.uint8)), dtype=np.float64)
 
 
 def _picture(file: _File, entry: dict[str, Any]) -> ByteArray | None:

@@ -16,8 +16,8 @@ import numpy as np
 
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, MeshError
 from scenewidget.engine.readers.colors import Texture, as_bytes, at_vertices, open_image
-from scenewidget.engine.readers.scan import ByteArray, Notes, Scan
-from scenewidget.engine.readers.text import CHUNK, rows, whole_numbers, words_per_line
+from scenewidget.engine.readers.scan import ByteArray, Notes, Scan, beside, decoded_text
+from scenewidget.engine.readers.text import CHUNK, rows, whole_numbers, without_remarks, words_per_line
 
 __all__ = ["read"]
 
@@ -41,6 +41,8 @@ class _Faces:
 def read(path: Path, notes: Notes) -> Scan:
     """Vertices and polygons of an OBJ at ``path``; ``notes`` hear what was guessed or lost."""
     data = np.fromfile(path, dtype=np.uint8)
+    if data[:3].tobytes() == b"\xef\xbb\xbf":  # a byte order mark
+        data = data[3:]
     if (data == ord("\\")).any():  # lines that go on
         data = np.frombuffer(bytearray(re.sub(rb"\\\r?\n", b" ", data.tobytes())), dtype=np.uint8)
     if not (data == 10).any():
@@ -97,13 +99,15 @@ class _Lines:
     def words(self, which: BoolArray) -> list[str]:
         """What stands behind the first word of these lines."""
         spans = zip(self.starts[which].tolist(), self.ends[which].tolist())
-        texts = (bytes(self.data[a:b]).decode("utf-8", "replace").split(None, 1) for a, b in spans)
+        texts = (decoded_text(bytes(self.data[a:b])).split(None, 1) for a, b in spans)
         return [text[1].strip() if len(text) > 1 else "" for text in texts]
 
 
 def _read(path: Path, lines: _Lines, notes: Notes) -> Scan:
     materials = lines.words(lines.is_material)
     libraries = lines.words(lines.is_library)
+    if materials and not libraries and beside(path.parent, path.stem + ".mtl"):
+        libraries = [path.stem + ".mtl"]  # which some programs forget to say
     vertices, colors = _vertices(lines, notes)
     scan = Scan(vertices)
     scan.colors = colors
@@ -140,10 +144,10 @@ def _vertices(lines: _Lines, notes: Notes) -> tuple[FloatArray, ByteArray | None
         raise MeshError("is damaged or truncated: it has a vertex with fewer than three coordinates")
     start = np.cumsum(width) - width
     vertices = values[start[:, None] + np.arange(3)]
-    has_color = width >= 6  # x y z r g b, or x y z w r g b
+    has_color = width >= 6  # x y z r g b, with w before them or alpha behind
     if not has_color.any():
         return vertices, None
-    behind = np.where(width >= 7, 4, 3)[has_color]
+    behind = 3 + _has_weight(values, start, width)[has_color]
     found = as_bytes(values[(start[has_color] + behind)[:, None] + np.arange(3)], notes)
     if found is None:
         return vertices, None
@@ -154,14 +158,21 @@ def _vertices(lines: _Lines, notes: Notes) -> tuple[FloatArray, ByteArray | None
     return vertices, colors
 
 
+def _has_weight(values: FloatArray, start: IntArray, width: IntArray) -> BoolArray:
+    """(n_vertices,) whether a weight stands before the colour: all of the fourth numbers are 1 then.
+
+    Of seven numbers, the last is the alpha of the colour otherwise.
+    """
+    is_wide = width >= 7
+    return is_wide & bool((values[start[is_wide] + 3] == 1.0).all())
+
+
 # --- faces ----------------------------------------------------------------------------------------
 
 
 def _faces(path: Path, lines: _Lines, has_textures: bool) -> _Faces | None:
     found = []
-    for piece in lines.pieces(lines.is_face, 1):
-        if b"#" in piece:  # remarks behind a face
-            piece = re.sub(rb"#[^\n]*", b"", piece)
+    for piece in map(without_remarks, lines.pieces(lines.is_face, 1)):
         vertex, texture, counts = _corners(piece)
         found.append((vertex, texture if has_textures else texture[:0], counts.astype(np.int32)))
     if not found:
@@ -225,6 +236,7 @@ def _from_zero(index: IntArray, counts: IntArray, is_face: BoolArray, is_entry: 
 class _Material:
     color: tuple[float, float, float] | None = None  # Kd
     picture: str = ""  # map_Kd
+    home: Path = Path()  # of its library
     is_clamped: bool = False
     scale: tuple[float, float] = (1.0, 1.0)
     offset: tuple[float, float] = (0.0, 0.0)
@@ -233,8 +245,8 @@ class _Material:
 def _library(path: Path, names: list[str], notes: Notes) -> dict[str, _Material]:
     """Materials of the libraries beside the file."""
     out: dict[str, _Material] = {}
-    for name in dict.fromkeys(names):
-        found = _find(path, name)
+    for name in _single_names(path.parent, names):
+        found = beside(path.parent, name)
         if found is None:
             notes.say(f"material library {name!r} is missing: colours of materials are lost", warn=True)
             continue
@@ -242,16 +254,26 @@ def _library(path: Path, names: list[str], notes: Notes) -> dict[str, _Material]
             notes.say(f"material library {name!r} is too large to be one: left out", warn=True)
             continue
         material = _Material()
-        for line in found.read_bytes().decode("utf-8", "replace").splitlines():
+        for line in decoded_text(found.read_bytes()).splitlines():
             words = line.split(None, 1)
             key = words[0].lower() if len(words) > 1 else ""
             if key == "newmtl":
-                material = out.setdefault(words[1].strip(), _Material())
+                material = out.setdefault(words[1].strip(), _Material(home=found.parent))
             elif key == "kd":
                 material.color = _color(words[1])
             elif key in ("map_kd", "map_ka") and (key == "map_kd" or not material.picture):
                 _take_map(material, words[1])
     return out
+
+
+def _single_names(folder: Path, names: list[str]) -> list[str]:
+    """Names of libraries: a line may hold several, or one with blanks in it."""
+    single = []
+    for name in names:
+        words = name.split()
+        is_several = beside(folder, name) is None and any(beside(folder, word) for word in words)
+        single += words if is_several else [name]
+    return list(dict.fromkeys(single))
 
 
 def _color(text: str) -> tuple[float, float, float] | None:
@@ -288,18 +310,6 @@ def _take_map(material: _Material, text: str) -> None:
     material.picture = text.strip().strip('"')
 
 
-def _find(path: Path, name: str) -> Path | None:
-    """A file that another names: where it says, if that is within reach, else beside it by its last part."""
-    parts = [part for part in re.split(r"[\\/]", name.strip().strip('"')) if part]
-    if not parts or "\0" in name:
-        return None
-    for candidate in (path.parent.joinpath(*parts), path.with_name(parts[-1])):
-        if ":" not in parts[0] and candidate.is_file():
-            return candidate
-    folder = {entry.name.lower(): entry for entry in path.parent.iterdir() if entry.is_file()}
-    return folder.get(parts[-1].lower())
-
-
 def _coordinates(lines: _Lines) -> FloatArray:
     """(n, 2) coordinates in textures."""
     values, width = rows(lines.pieces(lines.is_texture, 2))
@@ -323,7 +333,7 @@ def _material_colors(
     code, sides = np.repeat(material, counts), np.repeat(counts, counts)
     colors = np.zeros((len(scan.corners), 3), dtype=np.uint8)
     is_known = np.zeros(len(scan.corners), dtype=bool)
-    pictures: dict[str, Any] = {}
+    pictures: dict[tuple[Path, str], Any] = {}
     for k, name in enumerate(names):
         made_of = known.get(name)
         if made_of is None:
@@ -332,13 +342,14 @@ def _material_colors(
         mine = code == k
         picture = made_of.picture
         if picture and len(coordinates):
-            if picture not in pictures:
-                found = _find(path, picture)
-                pictures[picture] = open_image(found or path.with_name("?"), picture, notes)
-            if pictures[picture] is None:
+            key = (made_of.home, picture)
+            if key not in pictures:
+                found = beside(made_of.home, picture) or beside(path.parent, picture)
+                pictures[key] = open_image(found or path.with_name("?"), picture, notes)
+            if pictures[key] is None:
                 continue
             wrap = "clamp" if made_of.is_clamped else "repeat"
-            texture = Texture(pictures[picture], wrap=(wrap, wrap))
+            texture = Texture(pictures[key], wrap=(wrap, wrap))
             usable = mine & (uv_index >= 0) & (uv_index < len(coordinates))
             for n in np.unique(sides[usable]).tolist():
                 whole = _whole_polygons(usable & (sides == n), n)

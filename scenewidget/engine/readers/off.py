@@ -23,10 +23,10 @@ def read(path: Path, notes: Notes) -> Scan:
     data = path.read_bytes()
     if b"#" in data:
         data = re.sub(rb"#[^\n]*", b"", data)
-    head = re.match(rb"\s*(ST)?(C)?(N)?(4)?(n)?OFF\b([ \t]+BINARY)?", data)
-    if head is None:
+    head = re.match(rb"\s*((ST)?(C)?(N)?(4)?(n)?OFF\b([ \t]+BINARY)?)?", _upper(data))
+    if head is None or not (head[1] or re.match(rb"\s*\d", data)):
         raise MeshError(f"{path.name!r} does not start with 'OFF': it is not an OFF file, or damaged")
-    if head[4] or head[5] or head[6]:
+    if head[5] or head[6] or head[7]:
         raise MeshError(
             f"{path.name!r} is an OFF of a rare kind ({head[0].decode().strip()}): save it as PLY"
         )
@@ -47,7 +47,7 @@ def read(path: Path, notes: Notes) -> Scan:
         )
     start = np.cumsum(width) - width
     at, wide = start[:n_vertices], width[:n_vertices]
-    least = 3 + 3 * (head[3] is not None)
+    least = 3 + 3 * (head[4] is not None)
     if wide.min(initial=least) < least:
         raise MeshError(f"{path.name!r} is damaged or truncated: a vertex has fewer than {least} numbers")
     scan = Scan(values[at[:, None] + np.arange(3)])
@@ -68,10 +68,21 @@ def read(path: Path, notes: Notes) -> Scan:
         inside = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
         scan.corners = values[np.repeat(at, count) + 1 + inside]
     behind = wide - 1 - count
-    if scan.colors is None and n_faces and behind.min() >= 3:
-        found = as_bytes(values[(at + 1 + count)[:, None] + np.arange(3)], notes)
+    has_color = behind >= 3
+    if scan.colors is None and has_color.any():
+        found = as_bytes(values[(at + 1 + count)[has_color, None] + np.arange(3)], notes)
         if found is not None:
             notes.say("colours stand at the faces: a vertex has the mean of those around it")
+            if not has_color.all():
+                notes.say(f"{int((~has_color).sum())} of {n_faces} faces have no colour and count as white")
+            colors = np.full((n_faces, 3), 255, dtype=np.uint8)
+            colors[has_color] = found
             corners = np.where(np.isfinite(scan.corners), scan.corners, -1).astype(np.int64)
-            scan.colors = at_vertices(corners, np.repeat(found, count, axis=0), n_vertices)
+            known = np.repeat(has_color, count)
+            scan.colors = at_vertices(corners, np.repeat(colors, count, axis=0), n_vertices, is_known=known)
     return scan
+
+
+def _upper(data: bytes) -> bytes:
+    """The beginning, its keyword in capitals where a program wrote small letters."""
+    return re.sub(rb"\A\s*(st)?c?n?off\b", lambda found: found[0].upper(), data[:64])

@@ -13,7 +13,7 @@ import numpy as np
 
 from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import MeshError
-from scenewidget.engine.readers.colors import as_bytes
+from scenewidget.engine.readers.colors import as_bytes, unpacked
 from scenewidget.engine.readers.scan import Notes, Scan, check_promise, check_size
 from scenewidget.engine.readers.text import numbers
 
@@ -21,7 +21,19 @@ __all__ = ["read"]
 
 HEADER = 1 << 16  # bytes
 MOST_SQUEEZED = 300  # bytes that a byte of LZF can stand for, generously
-NAMES = ("VERSION", "FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "VIEWPOINT", "POINTS", "DATA")
+NAMES = (
+    "VERSION",
+    "COLUMNS",
+    "FIELDS",
+    "SIZE",
+    "TYPE",
+    "COUNT",
+    "WIDTH",
+    "HEIGHT",
+    "VIEWPOINT",
+    "POINTS",
+    "DATA",
+)
 
 
 def read(path: Path, notes: Notes) -> Scan:
@@ -70,7 +82,7 @@ def _header(path: Path, data: bytes) -> tuple[dict[str, list[str]], int]:
     for line in data[: found.end()].decode("ascii", "replace").splitlines():
         words = line.split()
         if words and words[0].upper() in NAMES:
-            head[words[0].upper()] = words[1:]
+            head["FIELDS" if words[0].upper() == "COLUMNS" else words[0].upper()] = words[1:]
     head.setdefault("HEIGHT", ["1"])
     head.setdefault("POINTS", head.get("WIDTH", ["?"]))
     for name in ("FIELDS", "SIZE", "TYPE", "POINTS", "HEIGHT"):
@@ -160,12 +172,13 @@ def _colors(columns: dict[str, Any], form: str, notes: Notes) -> Any:
     if packed is None:
         return None
     values = np.array(packed)
-    if values.dtype.itemsize == 4 and values.dtype.kind == "f":
-        bits = values.view(np.uint32)
-    elif values.dtype.kind in "iu":
-        bits = values.astype(np.int64).astype(np.uint32)
-    elif np.nanmax(np.abs(values), initial=0.0) > 1:  # text of the integer
-        bits = np.nan_to_num(values).astype(np.int64).astype(np.uint32)
-    else:  # text of the float
-        bits = values.astype(np.float32).view(np.uint32)
-    return np.stack([bits >> 16 & 255, bits >> 8 & 255, bits & 255], axis=1).astype(np.uint8)
+    if form != "ascii":
+        return unpacked(values)
+    is_lost = np.isnan(values)  # what a float of 0xffRRGGBB looks like in text
+    if is_lost.all():
+        notes.say("colours were written as NaN and are lost: save the cloud as binary", warn=True)
+        return None
+    if is_lost.any():
+        notes.say(f"{int(is_lost.sum())} of {len(values)} colours were written as NaN and are black")
+        values[is_lost] = 0
+    return unpacked(values.astype(np.int64) if np.abs(values).max() > 1 else values)

@@ -16,8 +16,8 @@ import numpy.typing as npt
 
 from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray, MeshError
-from scenewidget.engine.readers.colors import Texture, as_bytes, at_vertices, open_image
-from scenewidget.engine.readers.scan import Notes, Scan, check_promise
+from scenewidget.engine.readers.colors import Texture, as_bytes, at_vertices, open_image, unpacked
+from scenewidget.engine.readers.scan import Notes, Scan, beside, check_promise
 from scenewidget.engine.readers.text import numbers
 
 __all__ = ["columns_of", "has_faces", "read"]
@@ -31,7 +31,8 @@ ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": ""}
 COLORS = (("red", "green", "blue"), ("r", "g", "b"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
 NORMALS = (("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"))
 COORDINATES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"), ("texture_s", "texture_t"))
-CORNERS = ("vertex_indices", "vertex_index", "vertex_ids")
+CORNERS = ("vertex_indices", "vertex_index", "vertex_ids", "vertexindices", "vertexindex", "indices")
+PACKED = ("rgba", "rgb")  # 8 bits a channel in one number, as the Point Cloud Library has them
 HEADER = 1 << 20  # bytes; longer ones are no header
 
 
@@ -74,12 +75,17 @@ def read(path: Path, notes: Notes) -> Scan:
     scan.normals = _group(vertex, NORMALS)
     colors = _group(vertex, COLORS)
     scan.colors = None if colors is None else as_bytes(colors, notes)
+    packed = next((vertex[name] for name in PACKED if name in vertex), None)
+    if scan.colors is None and packed is not None and packed.dtype.itemsize == 4:
+        scan.colors = unpacked(packed)
     if scan.colors is None and "f_dc_0" in vertex:  # Gaussian splats: the constant term of their harmonics
         light = 0.5 + 0.28209479177387814 * _group(vertex, (("f_dc_0", "f_dc_1", "f_dc_2"),))
         scan.colors = np.round(255 * np.clip(light, 0, 1)).astype(np.uint8)
         notes.say("the file holds Gaussian splats: their centres were taken as points")
     face = columns.get("face", {})
-    corners = next((face[name] for name in CORNERS if name in face), None)
+    lists = [found for found in face.values() if isinstance(found, _List) and found.values.dtype.kind in "iu"]
+    only = lists[0] if len(lists) == 1 else None  # whatever it is called
+    corners = next((face[name] for name in CORNERS if name in face), only)
     if corners is not None and len(corners.counts):
         scan.corners = corners.values
         scan.counts = None if (corners.counts == 3).all() else corners.counts
@@ -150,7 +156,10 @@ def _texture_colors(
     """Colours from textures, coordinates per corner or per vertex; None without."""
     per_corner = face.get("texcoord")
     per_vertex = _group(vertex, COORDINATES)
-    if not names or (per_corner is None and per_vertex is None):
+    if per_corner is None and per_vertex is None:
+        return None
+    if not names:
+        notes.say("the file has texture coordinates, but names no texture")
         return None
     if per_corner is not None and not np.array_equal(per_corner.counts, 2 * counts):
         notes.say("texture coordinates don't fit the corners of the faces: colours are lost", warn=True)
@@ -166,7 +175,7 @@ def _texture_colors(
     is_known = np.zeros(len(uv), dtype=bool)
     polygon = np.repeat(np.arange(len(counts)), counts)
     for k, name in enumerate(names):
-        pixels = open_image(_beside(path, name), name, notes)
+        pixels = open_image(beside(path.parent, name) or path.with_name("?"), name, notes)
         if pixels is not None:
             for n in np.unique(counts[number == k]).tolist():
                 mine = (which == k) & (counts[polygon] == n)
@@ -175,11 +184,6 @@ def _texture_colors(
     if not is_known.any():
         return None
     return at_vertices(scan.corners, colors, len(scan.vertices), is_known=is_known, fallback=scan.colors)
-
-
-def _beside(path: Path, name: str) -> Path:
-    """A file that another one names, in the folder of that one; of a path only the last part counts."""
-    return path.with_name(re.split(r"[\\/]", name)[-1] or "?")
 
 
 def _strip_triangles(strip: IntArray) -> IntArray:
@@ -232,7 +236,7 @@ def _read_header(path: Path, data: bytes, size: int = 0) -> tuple[str, list[_Ele
 
 
 def _property(path: Path, words: list[str], line: str) -> _Property:
-    types = words[2:-1] if words[1:2] == ["list"] else words[1:-1]
+    types = [word.lower() for word in (words[2:-1] if words[1:2] == ["list"] else words[1:-1])]
     if len(types) != (2 if words[1:2] == ["list"] else 1) or any(t not in TYPES for t in types):
         raise _refused(path, line)
     if len(types) == 2 and TYPES[types[0]][0] == "f":

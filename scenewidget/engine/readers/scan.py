@@ -6,6 +6,7 @@ Every reader makes a `Scan`; `scenewidget.engine.readers` checks, repairs and tu
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,17 @@ import numpy.typing as npt
 
 from scenewidget.engine.mesh import FloatArray, IntArray, MeshError
 
-__all__ = ["MAX_BYTES", "MAX_PIXELS", "ByteArray", "Notes", "Scan", "check_promise", "check_size"]
+__all__ = [
+    "MAX_BYTES",
+    "MAX_PIXELS",
+    "ByteArray",
+    "Notes",
+    "Scan",
+    "beside",
+    "check_promise",
+    "check_size",
+    "decoded_text",
+]
 
 ByteArray = npt.NDArray[np.uint8]
 
@@ -98,3 +109,39 @@ def check_promise(path: Path, what: str, count: Any, least: int, room: int) -> N
             f"{path.name!r} is damaged or truncated: its header promises {count} {what}, but only {room} "
             "bytes follow"
         )
+
+
+def beside(folder: Path, name: str) -> Path | None:
+    """A file that another one in ``folder`` names, or None.
+
+    Folders within ``name`` are followed, in any case if there is none in that one; else only its last part
+    counts: scans move from one computer to another, and their textures come along.
+    """
+    parts = [part for part in re.split(r"[\\/]", name.strip().strip('"')) if part not in ("", ".")]
+    if not parts or "\0" in name:
+        return None
+    for chain in (parts, parts[-1:]):
+        place: Path | None = folder
+        for part in chain:
+            place = None if place is None else _entry(place, part)
+        if place is not None and place.is_file():
+            return place
+    return None
+
+
+def _entry(folder: Path, name: str) -> Path | None:
+    """An entry of a folder by its name, in another case if need be."""
+    place = folder / name
+    if place.exists():
+        return place
+    if not folder.is_dir():
+        return None
+    return next((entry for entry in folder.iterdir() if entry.name.lower() == name.lower()), None)
+
+
+def decoded_text(data: bytes) -> str:
+    """Text of a small file, ``data``: UTF-8 where its bytes are that, with a mark or not, else Latin-1."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")

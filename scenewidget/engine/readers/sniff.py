@@ -19,7 +19,7 @@ _MAGIC = (  # what a file begins with, and what it is then
     (rb"LASF", "las"),
     (rb"ASTM-E57", "e57"),
     (rb"(#[^\n]*\n\s*)*(# \.PCD|VERSION [.\d]+\s+FIELDS |FIELDS [a-z])", "pcd"),
-    (rb"\s*(ST)?C?N?4?n?OFF\b", "off"),
+    (rb"\s*((ST)?C?N?4?n?OFF|(st)?c?n?off)\b", "off"),
     (rb"\s*\{", "gltf"),
 )
 _FOREIGN = (  # what a file begins with, what it is, and the way out

@@ -24,8 +24,10 @@ def read(path: Path, notes: Notes) -> Scan:
     """Triangles of an STL at ``path``; ``notes`` hear what was guessed or lost."""
     data = path.read_bytes()
     count = int.from_bytes(data[80:84], "little")
-    if len(data) >= 84 and len(data) == 84 + 50 * count:
-        table = np.frombuffer(data, LAYOUT, offset=84)
+    if 84 + 50 * count <= len(data) and (count or len(data) == 84):
+        table = np.frombuffer(data, LAYOUT, count=count, offset=84)
+        if len(data) > 84 + 50 * count:
+            notes.say(f"{len(data) - 84 - 50 * count} bytes behind the last face were left out")
         scan = Scan(table["corners"].reshape(-1, 3).astype(np.float64), is_single=True)
         scan.corners = np.arange(3 * count)
         scan.colors = _colors(data[:80], table["color"], scan.corners, notes)
@@ -38,8 +40,11 @@ def read(path: Path, notes: Notes) -> Scan:
     if b"endsolid" not in data[-1024:].lower():
         raise MeshError(f"{path.name!r} is truncated: it does not end with 'endsolid'")
     words = re.findall(rb"^\s*vertex\s([^\n\r]*)", data, re.MULTILINE | re.IGNORECASE)
-    values = numbers(b"\n".join(words))
     n_facets = len(re.findall(rb"^\s*endfacet", data, re.MULTILINE | re.IGNORECASE))
+    if len(words) != 3 * n_facets or not words:  # several on a line
+        words = re.findall(rb"\bvertex((?:\s+[^\s]+){3})", data, re.IGNORECASE)
+        n_facets = len(re.findall(rb"\bendfacet\b", data, re.IGNORECASE))
+    values = numbers(b"\n".join(words))
     if len(values) != 9 * n_facets:
         raise MeshError(
             f"{path.name!r} is damaged: it has {len(words)} corners with {len(values)} coordinates for "

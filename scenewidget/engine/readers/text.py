@@ -11,10 +11,20 @@ import numpy as np
 
 from scenewidget.engine.mesh import FloatArray, IntArray, MeshError
 
-__all__ = ["chunks", "numbers", "row_lengths", "rows", "whole_numbers", "words_per_line"]
+__all__ = [
+    "as_utf8",
+    "chunks",
+    "numbers",
+    "row_lengths",
+    "rows",
+    "whole_numbers",
+    "without_remarks",
+    "words_per_line",
+]
 
 CHUNK = 1 << 22  # bytes of text that are looked at together
 
+_REMARK = re.compile(rb"(?<![.\d])#[^\n]*")
 _WINDOWS_NAN = re.compile(rb"[-+]?\d\.#\w+")  # -1.#IND, 1.#QNAN: what old C libraries print for NaN
 
 
@@ -26,9 +36,7 @@ def numbers(block: bytes) -> FloatArray:
     MeshError
         Something else among them; the message quotes it.
     """
-    if b"#" in block:
-        block = _WINDOWS_NAN.sub(b"nan", block)
-    return np.asarray(_parsed(block, np.float64))
+    return np.asarray(_parsed(without_remarks(block), np.float64))
 
 
 def whole_numbers(block: bytes) -> IntArray:
@@ -42,13 +50,24 @@ def rows(pieces: Iterable[bytes]) -> tuple[FloatArray, IntArray]:
     Lines end with their piece. Memory is needed for one piece of text at a time.
     """
     values, widths, line = [np.empty(0)], [np.empty(0, dtype=np.int32)], 0
-    for piece in pieces:
+    for piece in map(without_remarks, pieces):
         count = words_per_line(piece)
-        block = _WINDOWS_NAN.sub(b"nan", piece) if b"#" in piece else piece
-        values.append(_parsed(block, np.float64, line))
+        values.append(_parsed(piece, np.float64, line))
         widths.append(count[count > 0].astype(np.int32))
         line += len(count)
     return np.concatenate(values), np.concatenate(widths)
+
+
+def without_remarks(block: bytes) -> bytes:
+    """A text, ``block``, without what stands behind a #, and with the NaN of old C libraries as others do."""
+    return _REMARK.sub(b"", _WINDOWS_NAN.sub(b"nan", block)) if b"#" in block else block
+
+
+def as_utf8(data: bytes) -> bytes:
+    """The text of a file, ``data``, without its byte order mark, in UTF-8 if it was UTF-16."""
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16", "replace").encode()
+    return data.removeprefix(b"\xef\xbb\xbf")
 
 
 def _parsed(block: bytes, dtype: type, line: int = 0) -> Any:
