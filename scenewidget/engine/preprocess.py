@@ -40,6 +40,17 @@ __all__ = ["Simplified", "filter_normals", "keep_components", "neighbor_table", 
 Simplifier = Literal["fast", "qslim"]
 _FAST_EDGE = 0.02  # mean length that fast-simplification is given: its thresholds are absolute, for metres
 PLAIN_SWEEPS, SUPER_STEPS = 6, 4  # of the normal filter: first so many alone, the others in so many groups
+BLOCK = 128  # faces whose normals are filtered at once
+# 2^x as float32, x ≤ 0: powers of 2^(−1/32), and a polynomial of what is left (Nagy, Arm Optimized Routines)
+ROOTS = np.array([2.0 ** (-i / 32) for i in range(32)])
+POWERS = np.array([2.0**-i for i in range(130)])
+LOG2E_32, ROUNDED = 32 * float.fromhex("0x1.71547652b82fep+0"), float.fromhex("0x1.8p+52")
+EXP2 = (
+    float.fromhex("0x1.c6af84b912394p-5") / 32**3,
+    float.fromhex("0x1.ebfce50fac4f3p-3") / 32**2,
+    float.fromhex("0x1.62e42ff0c52d6p-1") / 32,
+)
+FARTHEST = np.float32(87.0)  # whose exponential is the least normal float32
 MOST_CUT = 0.1  # share of the sides of faces; raw scans have up to 0.01
 _FAST_SIMPLIFICATION = threading.Lock()  # the library keeps its mesh in a global variable
 
@@ -594,30 +605,33 @@ def filter_normals(
     """
     monitor = monitor or SILENT
     indptr, indices = neighbor_table(mesh.n_faces, pairs)
-    areas = (mesh.face_areas / max(float(mesh.face_areas.max()), 1e-300)).astype(np.float32)  # any unit fits
-    here = (mesh.face_normals if normals is None else normals).astype(np.float32)
+    here = np.zeros((mesh.n_faces + 1, 4), dtype=np.float32)  # normal and area; the last is of no face
+    here[:-1, :3] = mesh.face_normals if normals is None else normals
+    here[:-1, 3] = mesh.face_areas / max(float(mesh.face_areas.max()), 1e-300)  # any unit fits
     steps, width32 = _super_steps(sweeps), np.float32(width)
     order = along_curve(mesh.face_centroids) if mesh.is_cloud else None  # neighbours near in memory
     if order is not None:
-        here, areas, (indptr, indices) = here[order], areas[order], _reordered(indptr, indices, order)
+        here[:-1], (indptr, indices) = here[order], _reordered(indptr, indices, order)
     there = here.copy()
     bounds = np.linspace(0, mesh.n_faces, n_threads + 1).astype(np.int64)
+    scratch = np.zeros((n_threads, 10 * BLOCK), dtype=np.float32)
     with ThreadPoolExecutor(n_threads) as pool:
         for done, (last, before, change) in enumerate(steps):
             monitor.tick(done / len(steps))
             jobs = [
                 pool.submit(
-                    _sweep, here, there, areas, indptr, indices, width32, last, before, change, start, stop
+                    _sweep, here, there, indptr, indices, width32, last, before, change, start, stop, block
                 )
-                for start, stop in itertools.pairwise(bounds)
+                for (start, stop), block in zip(itertools.pairwise(bounds), scratch)
             ]
             for job in jobs:
                 job.result()
             here, there = there, here
     if order is None:
-        return here
-    there[order] = here
-    return there
+        return np.ascontiguousarray(here[:-1, :3])
+    out = np.empty((mesh.n_faces, 3), dtype=np.float32)
+    out[order] = here[:-1, :3]
+    return out
 
 
 def _reordered(indptr: IntArray, indices: IntArray, order: IntArray) -> tuple[IntArray, IntArray]:
@@ -654,32 +668,64 @@ def _super_steps(sweeps: int) -> list[tuple[np.float32, np.float32, np.float32]]
 # reordered or fused arithmetic (all of fastmath) is hardly faster, and differs from processor to processor
 @kernel(fastmath={"nnan", "ninf", "nsz"})
 def _sweep(  # type: ignore[no-untyped-def]
-    here, there, areas, indptr, indices, width, last, before, change, start, stop,
+    here, there, indptr, indices, width, last, before, change, start, stop, block,
 ):  # fmt: skip
-    """``there`` becomes unit(last · here + before · there + change · (unit(sum) − here))."""
-    one = np.float32(1.0)
-    for i in range(start, stop):
-        x, y, z, area = here[i, 0], here[i, 1], here[i, 2], areas[i]
-        is_blank = x * x + y * y + z * z == 0.0
-        sx, sy, sz = area * x, area * y, area * z
-        for e in range(indptr[i], indptr[i + 1]):
-            j = indices[e]
-            u, v, w = here[j, 0], here[j, 1], here[j, 2]
-            step = (one - x * u - y * v - z * w) / width
-            weight = areas[j] * (one if is_blank else np.exp(-step * step))
-            sx += weight * u
-            sy += weight * v
-            sz += weight * w
-        length = np.sqrt(sx * sx + sy * sy + sz * sz)
-        if length > 0.0:
-            sx, sy, sz = sx / length, sy / length, sz / length
-        else:
-            sx, sy, sz = x, y, z
+    """``there`` becomes unit(last · here + before · there + change · (unit(sum) − here)).
+
+    Block by block, first what lies scattered is gathered, then computed for all faces of the block at once,
+    which processors do 8 numbers at a time. ``block`` holds one after the other: normals (3), sums (3),
+    the k-th neighbours' normals (3) and areas (1), of `BLOCK` faces each.
+    """
+    one, none, nothing = np.float32(1.0), np.float32(0.0), len(here) - 1
+    for first in range(start, stop, BLOCK):
+        n = min(BLOCK, stop - first)
+        most = 0
+        for i in range(n):
+            f = first + i
+            most = max(most, indptr[f + 1] - indptr[f])
+            x, y, z, area = here[f, 0], here[f, 1], here[f, 2], here[f, 3]
+            block[i], block[i + BLOCK], block[i + 2 * BLOCK] = x, y, z
+            block[i + 3 * BLOCK], block[i + 4 * BLOCK], block[i + 5 * BLOCK] = area * x, area * y, area * z
+        for k in range(most):
+            for i in range(n):
+                e = indptr[first + i] + k
+                j = indices[e] if e < indptr[first + i + 1] else nothing
+                block[i + 6 * BLOCK], block[i + 7 * BLOCK] = here[j, 0], here[j, 1]
+                block[i + 8 * BLOCK], block[i + 9 * BLOCK] = here[j, 2], here[j, 3]
+            for i in range(n):
+                x, y, z = block[i], block[i + BLOCK], block[i + 2 * BLOCK]
+                u, v, w = block[i + 6 * BLOCK], block[i + 7 * BLOCK], block[i + 8 * BLOCK]
+                step = (one - x * u - y * v - z * w) / width
+                # exp(−step²) = 2^(whole / 32 + rest), as glibc computes it; beyond 87 nothing is left of it
+                power = LOG2E_32 * np.float64(-min(step * step, FARTHEST))
+                whole = (power + ROUNDED) - ROUNDED
+                rest, code = power - whole, np.int32(-whole)
+                scale = ROOTS[np.uint32(code & 31)] * POWERS[np.uint32(code >> 5)]
+                near = (EXP2[0] * rest + EXP2[1]) * (rest * rest) + (EXP2[2] * rest + 1.0)
+                is_blank = x * x + y * y + z * z == none
+                weight = block[i + 9 * BLOCK] * (one if is_blank else np.float32(near * scale))
+                block[i + 3 * BLOCK] += weight * u
+                block[i + 4 * BLOCK] += weight * v
+                block[i + 5 * BLOCK] += weight * w
+        for i in range(n):
+            x, y, z = block[i + 3 * BLOCK], block[i + 4 * BLOCK], block[i + 5 * BLOCK]
+            length = np.sqrt(x * x + y * y + z * z)
+            by = length if length > none else one
+            block[i + 3 * BLOCK] = x / by if length > none else block[i]
+            block[i + 4 * BLOCK] = y / by if length > none else block[i + BLOCK]
+            block[i + 5 * BLOCK] = z / by if length > none else block[i + 2 * BLOCK]
         if change != one:
-            sx = last * x + before * there[i, 0] + change * (sx - x)
-            sy = last * y + before * there[i, 1] + change * (sy - y)
-            sz = last * z + before * there[i, 2] + change * (sz - z)
-            length = np.sqrt(sx * sx + sy * sy + sz * sz)
-            if length > 0.0:
-                sx, sy, sz = sx / length, sy / length, sz / length
-        there[i, 0], there[i, 1], there[i, 2] = sx, sy, sz
+            for i in range(n):
+                for axis in range(3):
+                    block[i + (6 + axis) * BLOCK] = there[first + i, axis]
+            for i in range(n):
+                x, y, z = block[i], block[i + BLOCK], block[i + 2 * BLOCK]
+                u = last * x + before * block[i + 6 * BLOCK] + change * (block[i + 3 * BLOCK] - x)
+                v = last * y + before * block[i + 7 * BLOCK] + change * (block[i + 4 * BLOCK] - y)
+                w = last * z + before * block[i + 8 * BLOCK] + change * (block[i + 5 * BLOCK] - z)
+                length = np.sqrt(u * u + v * v + w * w)
+                by = length if length > none else one
+                block[i + 3 * BLOCK], block[i + 4 * BLOCK], block[i + 5 * BLOCK] = u / by, v / by, w / by
+        for i in range(n):
+            for axis in range(3):
+                there[first + i, axis] = block[i + (3 + axis) * BLOCK]
