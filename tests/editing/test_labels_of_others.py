@@ -1,5 +1,6 @@
 """Label files as other tools write them, read onto the mesh that they are of; clouds through all files."""
 
+import io
 import json
 
 import numpy as np
@@ -49,8 +50,8 @@ def test_any_property_can_be_named(tmp_path, mesh):
     with pytest.raises(FormatError, match="property= names another"):
         sw.import_labels(mesh, path)
     assert sw.import_labels(mesh, path, property="my_ids").n_segments == 2
-    with pytest.raises(ValueError, match="property names a column of a PLY"):
-        sw.import_labels(mesh, tmp_path / "a.txt", property="x")
+    with pytest.raises(ValueError, match=r"property names a column of ply, .* is read as 'glb'"):
+        sw.import_labels(mesh, tmp_path / "a.glb", property="x")
 
 
 @pytest.mark.parametrize("names", [("segments.json", "segments_anno.json"),
@@ -78,6 +79,75 @@ def test_text_of_savetxt_and_bytes_of_semantic_kitti(tmp_path, mesh, segments):
     (tmp_path / "b.label").write_bytes(b"1234")
     with pytest.raises(FormatError, match="has 4 bytes, but labels of this mesh take"):
         sw.import_labels(mesh, tmp_path / "b.label")
+
+
+def as_array(labels, **options):
+    file = io.BytesIO()
+    np.save(file, labels) if not options else np.lib.format.write_array(file, labels, **options)
+    return file.getvalue()
+
+
+def as_archive(**arrays):
+    file = io.BytesIO()
+    np.savez(file, **arrays)
+    return file.getvalue()
+
+
+LABELS_AS = {
+    "utf16.txt": lambda k: "\n".join(map(str, k)).encode("utf-16"),
+    "commas.txt": lambda k: ",".join(map(str, k.tolist())).encode(),
+    "named.csv": lambda k: ("label\n" + "\n".join(map(str, k))).encode(),
+    "counted.txt": lambda k: f"{len(k)}\n{chr(10).join(map(str, k))}".encode(),
+    "numbered.seg": lambda k: "".join(f"{n} {label}\n" for n, label in enumerate(k)).encode(),
+    "column.npy": lambda k: as_array(k[:, None]),
+    "version2.npy": lambda k: as_array(k.astype(bool), version=(2, 0)),
+    "only.npz": lambda k: as_archive(arr_0=k),
+    "others.npz": lambda k: as_archive(vertices=np.zeros(3), instances=k),
+    "list.json": lambda k: json.dumps(k.tolist()).encode(),
+    "named.json": lambda k: json.dumps({"scene": "a", "labels": [str(label) for label in k]}).encode(),
+}
+
+
+@pytest.mark.parametrize("name", LABELS_AS)
+def test_labels_alone_in_whatever_form_programs_save_them(tmp_path, mesh, segments, name):
+    (tmp_path / name).write_bytes(LABELS_AS[name](segments.labels))
+    read = sw.import_labels(mesh, tmp_path / name)
+    assert sw.metrics.rand_index_error(read.labels, segments.labels) == 0
+
+
+def test_labels_in_columns_of_clouds(tmp_path):
+    points = np.random.default_rng(0).random((60, 3)).round(3)
+    labels = np.arange(60) % 3
+    cloud, rows = sw.PointCloud(points), np.column_stack([points, labels + 2])
+    text = "".join(" ".join(map(str, row)) + "\n" for row in rows.tolist())
+    head = "VERSION .7\nFIELDS x y z label\nSIZE 8 8 8 4\nTYPE F F F U\nWIDTH 60\nHEIGHT 1\nDATA ascii\n"
+    for name, data, wanted in (
+        ("a.asc", "//X Y Z Original_cloud\n60\n" + text, "original_cloud"),
+        ("b.txt", text, "4"),
+        ("c.pcd", head + text.replace(".0\n", "\n"), None),
+    ):
+        (tmp_path / name).write_text(data)
+        read = sw.import_labels(cloud, tmp_path / name, property=wanted)
+        assert sw.metrics.rand_index_error(read.labels, labels) == 0
+    with pytest.raises(FormatError, match="no line with the names of its columns"):
+        sw.import_labels(cloud, tmp_path / "b.txt", property="class")
+    with pytest.raises(FormatError, match="points that are not those of the scan"):
+        sw.import_labels(sw.PointCloud(points[::-1]), tmp_path / "c.pcd")
+
+
+def test_a_class_of_las_and_values_that_are_missing(tmp_path, mesh):
+    laspy = pytest.importorskip("laspy")
+    las = laspy.create(point_format=0, file_version="1.2")
+    las.header.scales = [1e-3] * 3
+    points = np.arange(12.0).reshape(4, 3)
+    las.x, las.y, las.z = points.T
+    las.classification = [2, 2, 6, 6]
+    las.write(tmp_path / "a.las")
+    assert sw.import_labels(sw.PointCloud(points), tmp_path / "a.las").labels.tolist() == [0, 0, 1, 1]
+    values = cut(mesh).astype(float)
+    values[mesh.faces[0]] = np.nan
+    (tmp_path / "a.ply").write_text(ply_with(mesh, "scalar_Label", values, "float"))
+    assert sw.import_labels(mesh, tmp_path / "a.ply").labels[0] == -1
 
 
 def test_our_glb_saved_again_by_trimesh(tmp_path, mesh, segments):

@@ -41,11 +41,13 @@ _FORMATS = {
     "glb": _Format(glb.write, glb.read),
     "scannet": _Format(scannet.write, scannet.read),
     "scenenn": _Format(scenenn.write, scenenn.read),
-    "csv": _Format(table.write_csv, None),
+    "csv": _Format(table.write_csv, plain.read_text),
     "parquet": _Format(table.write_parquet, None),
     "npy": _Format(plain.write_npy, plain.read_npy),
     "txt": _Format(plain.write_text, plain.read_text),
     "label": _Format(None, plain.read_label),
+    "pcd": _Format(None, plain.read_pcd),
+    "las": _Format(None, plain.read_las),
 }
 _SUFFIXES = {
     ".aggregation.json": "scannet",
@@ -61,7 +63,12 @@ _SUFFIXES = {
     ".parquet": "parquet",
     ".npy": "npy",
     ".txt": "txt",
+    **dict.fromkeys((".xyz", ".asc", ".pts", ".seg", ".labels"), "txt"),
+    ".pcd": "pcd",
+    ".las": "las",
+    ".laz": "las",
 }
+_WITH_COLUMNS = ("ply", "npz", "csv", "txt", "pcd", "las")
 
 
 def export(
@@ -159,13 +166,15 @@ def import_labels(
         The mesh that the labels are of, in the order of its file.
     path : path
         What `export` wrote, or the like from other tools: PLY with labels per face or vertex, ScanNet's
-        ``.aggregation.json``, SceneNN's ``.xml`` with its ``.ply``, NPY or TXT with a number a face or
-        vertex; ScanNet++'s and 3RScan's pairs of JSON; ``.label`` as of Semantic-KITTI. A negative label
-        means unlabeled, in ``.label`` also 0.
+        ``.aggregation.json``, SceneNN's ``.xml`` with its ``.ply``, NPY, NPZ, JSON or text with a number a
+        face or vertex; a column of CSV or of CloudCompare's text, of PCD or LAS; ScanNet++'s and 3RScan's
+        pairs of JSON; ``.label`` as of Semantic-KITTI. A negative label or NaN means unlabeled, in
+        ``.label`` also 0.
     format : str, optional
         By default what the suffix says.
     property : str, optional
-        Which property of a PLY holds the labels, where its name is unusual. Case doesn't matter.
+        Which property of a PLY, field of a PCD or LAS, array of an NPZ, or column of a table holds the
+        labels, where its name is unusual. Case doesn't matter. Of a table without names its number, from 1.
 
     Returns
     -------
@@ -198,8 +207,10 @@ def import_labels(
     reader = _FORMATS[name].read
     if reader is None:
         raise FormatError(f"{source.name!r} is a table of segments; it does not say which face is in which")
-    if property is not None and name != "ply":
-        raise ValueError(f"property names a column of a PLY, and {source.name!r} is read as {name!r}")
+    if property is not None and name not in _WITH_COLUMNS:
+        raise ValueError(
+            f"property names a column of {', '.join(_WITH_COLUMNS)}, and {source.name!r} is read as {name!r}"
+        )
     if not source.exists():
         raise FileNotFoundError(f"label file {str(source)!r} does not exist")
     if not source.is_file():

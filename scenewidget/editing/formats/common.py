@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from scenewidget.editing.edits import MAX_NAME
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
@@ -17,9 +19,20 @@ __all__ = [
     "Labels",
     "clean_name",
     "faces_from_vertices",
+    "label_column",
+    "no_labels",
     "same_place",
     "vertices_from_faces",
+    "whole_numbers",
 ]
+
+LABEL_NAMES = (  # of columns, in lower case, the first that is there counts
+    *("instance", "label", "segment", "object", "objectid", "segment_id", "instance_id", "category_id"),
+    *("instanceid", "segmentid", "labelid", "class", "classification", "semantic", "category"),
+    *("object_id", "label_id", "class_id", "classid", "categoryid", "semantic_id", "semantic_label"),
+    *("instance_label", "globalid", "global_id", "nyu40", "nyu_label", "part", "part_id", "cluster"),
+    *("cluster_id", "panoptic", "labels", "instances", "segments", "instance_ids", "segment_ids"),
+)
 
 
 class FormatError(ValueError):
@@ -91,3 +104,37 @@ def same_place(vertices: FloatArray, mesh: Mesh) -> bool:
     with np.errstate(over="ignore", invalid="ignore"):
         reach = 1e-5 * max(float(np.abs(mesh.vertices).max()), 1e-30)
         return bool((np.abs(vertices - mesh.vertices) <= reach).all())
+
+
+def label_column(names: Iterable[str], wanted: str | None = None) -> str | None:
+    """The one among the names of columns that holds labels: ``wanted``, or else the most usual name.
+
+    Case doesn't matter, nor what CloudCompare puts before a name.
+
+    Examples
+    --------
+    >>> label_column(["x", "scalar_Label"]), label_column(["x", "Hue"], "hue")
+    ('scalar_Label', 'Hue')
+    """
+    known = {name.lower(): name for name in reversed(list(names))}
+    known = {name.removeprefix("scalar_"): full for name, full in known.items()} | known
+    tried = LABEL_NAMES if wanted is None else (wanted.lower(), wanted.lower().removeprefix("scalar_"))
+    return next((known[name] for name in tried if name in known), None)
+
+
+def no_labels(path: Path, names: Iterable[str], wanted: str | None) -> FormatError:
+    """That none of the columns of a file is one of labels."""
+    tried = ", ".join(LABEL_NAMES[:8]) + ", …" if wanted is None else wanted
+    return FormatError(
+        f"{path.name!r} has no labels: none of its properties ({', '.join(names)[:300]}) is called {tried}; "
+        "property= names another"
+    )
+
+
+def whole_numbers(values: npt.NDArray[Any], name: str) -> IntArray:
+    """Labels as int64, -1 for NaN; FormatError if others are no whole numbers."""
+    if values.dtype.kind == "f":
+        values = np.where(np.isnan(values), -1.0, values)
+        if not (np.isfinite(values) & (values == np.floor(values)) & (np.abs(values) < 2**53)).all():
+            raise FormatError(f"holds values of {name!r} that are not whole numbers")
+    return values.astype(np.int64)

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from scenewidget.editing.edits import MAX_NAME
 from scenewidget.editing.fingerprint import fingerprint, is_sketch_of, sketch
-from scenewidget.editing.formats.common import FormatError, Labels, clean_name
+from scenewidget.editing.formats.common import FormatError, Labels, clean_name, label_column
 from scenewidget.editing.formats.seal import SEAL, Contents
 from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.segmentation import LEVELS, Segmentation
@@ -23,7 +23,7 @@ from scenewidget.engine.segmentation import LEVELS, Segmentation
 __all__ = ["read", "read_array", "write"]
 
 _HEADER = re.compile(  # what NumPy writes; its own reader would evaluate it
-    rb"\{'descr': '([<>|][iufU]\d{1,6})', 'fortran_order': (True|False), "
+    rb"\{'descr': '([<>|][biufU]\d{1,6})', 'fortran_order': (True|False), "
     rb"'shape': \(((?:\d{1,18}, ?)*(?:\d{1,18})?)\), \}\s*"
 )
 
@@ -45,17 +45,21 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
     return {path: [file.getvalue()]}
 
 
-def read(path: Path, mesh: Mesh) -> Labels:
-    """Labels of an NPZ with an array ``labels``, a number a face or vertex; the rest is optional."""
+def read(path: Path, mesh: Mesh, *, property: str | None = None) -> Labels:  # noqa: A002  # as in import_labels
+    """Labels of an NPZ: its array ``labels``, or of a usual name, or its only one; the rest is optional."""
     most = max(mesh.n_faces, mesh.n_vertices)
     if path.stat().st_size > 1_000 * most + 1_000_000:
         raise FormatError(f"{path.name!r} is larger than labels of this mesh can be")
     try:
         with zipfile.ZipFile(io.BytesIO(path.read_bytes())) as archive:
             members = {name.removesuffix(".npy"): name for name in archive.namelist()}
-            if "labels" not in members:
-                raise FormatError(f"{path.name!r} has no array 'labels', only {', '.join(members)[:200]}")
-            labels = _member(archive, members["labels"], "iu", most)
+            name = _name_of_labels(members, property)
+            if name is None:
+                raise FormatError(
+                    f"{path.name!r} has no array {property or 'labels'!r}, only {', '.join(members)[:200]}; "
+                    "property= names another"
+                )
+            labels = _member(archive, members[name], "iu", most)
             if labels.shape not in ((mesh.n_faces,), (mesh.n_vertices,)):
                 raise FormatError(
                     f"{path.name!r} has labels of shape {labels.shape}, but the mesh has {mesh.n_faces} "
@@ -89,6 +93,13 @@ def read(path: Path, mesh: Mesh) -> Labels:
     )
 
 
+def _name_of_labels(members: dict[str, str], wanted: str | None) -> str | None:
+    if wanted is None and "labels" in members:
+        return "labels"
+    only = next(iter(members)) if wanted is None and len(members) == 1 else None
+    return label_column(members, wanted) or only
+
+
 def _is_of(archive: zipfile.ZipFile, members: dict[str, str], mesh: Mesh, *, per_face: bool) -> bool:
     """Whether labels are of a mesh, as far as they say: of the same numbers, or of the same faces rounded."""
     if "mesh" not in members or str(_member(archive, members["mesh"], "U", 1)) == fingerprint(mesh).digest:
@@ -120,9 +131,15 @@ def _member(archive: zipfile.ZipFile, name: str, kinds: str, most: int) -> npt.N
 
 def read_array(data: bytes, kinds: str) -> npt.NDArray[Any]:
     """An array in NumPy's format out of bytes, of a kind of dtype (as in ``dtype.kind``); never objects."""
-    start = 10 + int.from_bytes(data[8:10], "little")
-    found = _HEADER.fullmatch(data[10:start])
-    if data[:8] != b"\x93NUMPY\x01\0" or found is None or start > len(data):
+    first = 10 if data[6:7] == b"\x01" else 12  # of the header: its length takes two or four bytes
+    start = first + int.from_bytes(data[8:first], "little")
+    found = _HEADER.fullmatch(data[first:start])
+    if (
+        data[:6] != b"\x93NUMPY"
+        or data[6:8] not in (b"\x01\0", b"\x02\0", b"\x03\0")
+        or found is None
+        or start > len(data)
+    ):
         raise FormatError("has an array that is damaged or not of plain numbers")
     dtype, is_fortran = np.dtype(found[1].decode()), found[2] == b"True"
     shape = tuple(int(size) for size in found[3].replace(b" ", b"").split(b",") if size)

@@ -18,34 +18,20 @@ from scenewidget.editing.formats.common import (
     FormatError,
     Labels,
     clean_name,
+    label_column,
+    no_labels,
     same_place,
     vertices_from_faces,
+    whole_numbers,
 )
 from scenewidget.editing.formats.seal import SEAL, Contents
-from scenewidget.engine.mesh import IntArray, Mesh
+from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.readers.ply import columns_of
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.palette import segment_colors
 
-__all__ = ["LABEL_NAMES", "read", "write"]
+__all__ = ["read", "write"]
 
-LABEL_NAMES = (
-    "instance",
-    "label",
-    "segment",
-    "object",
-    "objectid",
-    "segment_id",
-    "instance_id",
-    "category_id",
-    "instanceid",
-    "segmentid",
-    "labelid",
-    "class",
-    "classification",
-    "semantic",
-    "category",
-)
 HEADER_ROOM = 60_000  # bytes of header that readers accept
 
 
@@ -130,14 +116,10 @@ def read(path: Path, mesh: Mesh, *, property: str | None = None) -> Labels:  # n
                 f"({mesh.n_vertices}): "
                 "labels are of another mesh, or the vertices were moved or sorted"
             )
-    wanted = LABEL_NAMES if property is None else (property.lower(),)
     sizes = {"face": mesh.n_file_faces, "vertex": mesh.n_file_faces if mesh.is_cloud else mesh.n_vertices}
     for element in ("face", "vertex"):
         columns = elements.get(element, {})
-        known = {name.lower(): name for name in reversed(columns)}
-        known |= {name.removeprefix("scalar_"): full for name, full in known.items() if name not in known}
-        known |= {name.removeprefix("scalar_"): known[name] for name in list(known)}
-        label = next((known[name] for name in wanted if name in known), None)
+        label = label_column(columns, property)
         if label is None:
             continue
         values = whole_numbers(columns[label], label)
@@ -153,10 +135,7 @@ def read(path: Path, mesh: Mesh, *, property: str | None = None) -> Labels:  # n
             values = values[mesh.faces_of_file]
         return Labels(values, "face" if element == "face" else "vertex", names)
     found = sorted({name for columns in elements.values() for name in columns})
-    raise FormatError(
-        f"{path.name!r} has no labels: none of its properties ({', '.join(found)[:300]}) is called "
-        f"{', '.join(wanted)}; property= names another"
-    )
+    raise no_labels(path, found, property)
 
 
 def _are_faces(corners: Any, mesh: Mesh) -> bool:
@@ -165,13 +144,3 @@ def _are_faces(corners: Any, mesh: Mesh) -> bool:
         return True
     rows = np.sort(corners.values.reshape(-1, 3), axis=1)
     return np.array_equal(rows, np.sort(mesh.faces, axis=1))
-
-
-def whole_numbers(values: npt.NDArray[Any], name: str) -> IntArray:
-    """Labels as int64; FormatError if they are no whole numbers."""
-    if (
-        values.dtype.kind == "f"
-        and not (np.isfinite(values) & (values == np.floor(values)) & (np.abs(values) < 2**53)).all()
-    ):
-        raise FormatError(f"holds values of {name!r} that are not whole numbers")
-    return values.astype(np.int64)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -19,11 +19,13 @@ from scenewidget.editing.formats.common import (
     FormatError,
     Labels,
     clean_name,
+    label_column,
     vertices_from_faces,
 )
 from scenewidget.editing.formats.seal import SEAL, Contents, check_one_set
 from scenewidget.engine.boxes import oriented_boxes
 from scenewidget.engine.mesh import IntArray, Mesh
+from scenewidget.engine.readers.scan import beside
 from scenewidget.engine.segmentation import Segmentation
 
 __all__ = ["read", "write"]
@@ -82,6 +84,9 @@ def read(path: Path, mesh: Mesh) -> Labels:
     if _is_of_segments(path.name):
         return Labels(_read_segments(path, mesh), "vertex")
     data = _read_json(path, 1_000 + 100 * BYTES_A_VERTEX * mesh.n_vertices)
+    bare = _bare_labels(data, mesh)
+    if bare is not None:
+        return bare
     groups = data.get("segGroups") if isinstance(data, dict) else None
     if not isinstance(groups, list):
         raise FormatError(f"{path.name!r} has no list 'segGroups': it is no aggregation of ScanNet")
@@ -96,9 +101,7 @@ def read(path: Path, mesh: Mesh) -> Labels:
             raise FormatError(f"{path.name!r} has a group without a list 'segments'")
         label = clean_name(group.get("label", ""))
         names[k] = "" if label == UNNAMED else label
-        for number in group["segments"]:
-            if type(number) is not int:
-                raise FormatError(f"{path.name!r} lists a segment {number!r:.60}, which is no whole number")
+        for number in _whole_numbers(group["segments"], f"{path.name!r} lists segments"):
             twice += number in object_of
             object_of[number] = k  # as ScanNet's own scripts: the last group that names a segment has it
     ids, index = np.unique(segment, return_inverse=True)
@@ -137,8 +140,9 @@ def _segments_file(path: Path, named: Any) -> Path:
     candidates += [scene + SEGS, scene + "_vh_clean_2.0.010000" + SEGS]
     candidates += ["segments.json", "mesh.refined.0.010000.segs.v2.json"]  # of ScanNet++, of 3RScan
     for name in candidates:
-        if _is_of_segments(name) and "\0" not in name and path.with_name(name).is_file():
-            return path.with_name(name)
+        found = beside(path.parent, name) if _is_of_segments(name) else None
+        if found is not None:
+            return found
     raise FormatError(
         f"{path.name!r} needs its file of segments beside it, called {candidates[0]!r:.100} "
         f"or {scene + SEGS!r:.100}"
@@ -148,14 +152,38 @@ def _segments_file(path: Path, named: Any) -> Path:
 def _read_segments(path: Path, mesh: Mesh) -> IntArray:
     data = _read_json(path, 10_000 + BYTES_A_VERTEX * mesh.n_vertices)
     indices = data.get("segIndices") if isinstance(data, dict) else None
-    if not isinstance(indices, list) or not all(type(number) is int for number in indices):
+    if not isinstance(indices, list):
         raise FormatError(f"{path.name!r} has no list 'segIndices' of whole numbers")
+    numbers = _whole_numbers(indices, f"{path.name!r} has a list 'segIndices'")
     if len(indices) != mesh.n_vertices:
         raise FormatError(
             f"{path.name!r} has {len(indices)} vertices, but the mesh has {mesh.n_vertices}: "
             "it belongs to another mesh"
         )
-    return np.array(indices, dtype=np.int64)
+    return np.array(numbers, dtype=np.int64)
+
+
+def _bare_labels(data: Any, mesh: Mesh) -> Labels | None:
+    """Labels of a list, a number a face or vertex, or of a dictionary with such a list under a usual name."""
+    name = label_column(data) if isinstance(data, dict) and "segGroups" not in data else None
+    values = data if isinstance(data, list) else data[name] if name is not None else None
+    if not isinstance(values, list) or len(values) not in (mesh.n_faces, mesh.n_vertices):
+        return None
+    per: Literal["face", "vertex"] = "face" if len(values) == mesh.n_faces else "vertex"
+    return Labels(np.array(_whole_numbers(values, "has a list of labels"), dtype=np.int64), per)
+
+
+def _whole_numbers(values: list[Any], what: str) -> list[int]:
+    """Whole numbers, also where a program wrote them as text or with a point."""
+    if all(type(value) is int for value in values):
+        return values
+    try:
+        numbers = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        numbers = np.array([np.nan])
+    if numbers.ndim != 1 or not (np.abs(numbers) < 2**53).all() or (numbers != np.floor(numbers)).any():
+        raise FormatError(f"{what} that are no whole numbers")
+    return [int(number) for number in numbers.tolist()]
 
 
 def _read_json(path: Path, most: int) -> Any:

@@ -14,13 +14,13 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 import numpy.typing as npt
 
-from scenewidget.editing.formats import ply
 from scenewidget.editing.formats.common import (
     FormatError,
     Labels,
     clean_name,
     same_place,
     vertices_from_faces,
+    whole_numbers,
 )
 from scenewidget.editing.formats.seal import SEAL, Contents, check_one_set
 from scenewidget.editing.vocabulary import nyu_class
@@ -101,7 +101,7 @@ def read(path: Path, mesh: Mesh) -> Labels:
     place = np.stack([vertices.get(axis, np.empty(0)).astype(np.float64) for axis in "xyz"], axis=-1)
     if not same_place(place, mesh):
         raise FormatError(f"{scene.name!r} has other vertices than the mesh")
-    labels = ply.whole_numbers(vertices["label"], "label")
+    labels = whole_numbers(vertices["label"], "label")
     is_known = np.isin(labels, np.array(list(names), dtype=np.int64))
     if not is_known.any():
         raise FormatError(f"{annotation.name!r} names none of the labels in {scene.name!r}")

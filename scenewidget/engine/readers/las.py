@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from scenewidget.engine.mesh import MeshError
 from scenewidget.engine.readers.colors import as_bytes
 from scenewidget.engine.readers.scan import Notes, Scan, check_promise, check_size
 
-__all__ = ["read"]
+__all__ = ["columns_of", "read"]
 
 VLR, EVLR = 54, 60  # bytes that a record takes at least
 LEAST_POINT = 20  # bytes of the smallest point, with which each chunk of a LAZ begins
@@ -19,6 +20,22 @@ LEAST_POINT = 20  # bytes of the smallest point, with which each chunk of a LAZ 
 
 def read(path: Path, notes: Notes) -> Scan:
     """Points of the LAS or LAZ at ``path``; ``notes`` hear what was guessed or lost."""
+    las = _open(path)
+    scan = Scan(np.stack([np.asarray(las[axis], dtype=np.float64) for axis in "xyz"], axis=1))
+    if {"red", "green", "blue"} <= set(las.point_format.dimension_names):
+        colors = np.stack([np.asarray(las[name]) for name in ("red", "green", "blue")], axis=1)
+        scan.colors = as_bytes(colors, notes) if colors.any() else None
+    return scan
+
+
+def columns_of(path: Path) -> dict[str, Any]:
+    """All numbers a point of the LAS or LAZ at ``path`` by their names, extra ones too."""
+    las = _open(path)
+    names = [name for name in las.point_format.dimension_names if name.lower() not in "xyz"]
+    return {name: np.asarray(las[name]) for name in ("x", "y", "z", *names)}
+
+
+def _open(path: Path) -> Any:
     _check(path)
     try:
         import laspy
@@ -30,11 +47,7 @@ def read(path: Path, notes: Notes) -> Scan:
     las = laspy.read(path, laz_backend=laspy.LazBackend.Lazrs)
     if len(las.points) == 0:
         raise MeshError(f"{path.name!r} holds no points")
-    scan = Scan(np.stack([np.asarray(las[axis], dtype=np.float64) for axis in "xyz"], axis=1))
-    if {"red", "green", "blue"} <= set(las.point_format.dimension_names):
-        colors = np.stack([np.asarray(las[name]) for name in ("red", "green", "blue")], axis=1)
-        scan.colors = as_bytes(colors, notes) if colors.any() else None
-    return scan
+    return las
 
 
 def _check(path: Path) -> None:

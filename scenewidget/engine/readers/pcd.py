@@ -17,7 +17,7 @@ from scenewidget.engine.readers.colors import as_bytes, unpacked
 from scenewidget.engine.readers.scan import Notes, Scan, check_promise, check_size
 from scenewidget.engine.readers.text import numbers
 
-__all__ = ["read"]
+__all__ = ["columns_of", "read"]
 
 HEADER = 1 << 16  # bytes
 MOST_SQUEEZED = 300  # bytes that a byte of LZF can stand for, generously
@@ -38,6 +38,27 @@ NAMES = (
 
 def read(path: Path, notes: Notes) -> Scan:
     """Points of the PCD at ``path``; ``notes`` hear what was guessed or lost."""
+    columns, head, form = _columns(path)
+    if any(axis not in columns for axis in "xyz"):
+        raise MeshError(f"{path.name!r} has no fields x, y and z, only {', '.join(columns)[:200]}")
+    scan = Scan(np.stack([columns[axis] for axis in "xyz"], axis=1, dtype=np.float64), is_single=True)
+    if all(f"normal_{axis}" in columns for axis in "xyz"):
+        scan.normals = np.stack([columns[f"normal_{axis}"] for axis in "xyz"], axis=1)
+    scan.colors = _colors(columns, form, notes)
+    view = numbers(" ".join(head.get("VIEWPOINT", [])).encode())
+    is_organized = int(head["HEIGHT"][0]) > 1
+    if len(view) >= 3 and np.isfinite(view[:3]).all() and (is_organized or view[:3].any()):
+        scan.viewpoint = view[:3]  # of a frame of a depth camera its own origin
+    return scan
+
+
+def columns_of(path: Path) -> dict[str, Any]:
+    """All fields of the PCD at ``path`` by their names; of those that hold several numbers the first."""
+    return _columns(path)[0]
+
+
+def _columns(path: Path) -> tuple[dict[str, Any], dict[str, list[str]], str]:
+    """Fields by name, the header, and the form of the data."""
     data = path.read_bytes()
     head, start = _header(path, data)
     fields, n = [name.lower() for name in head["FIELDS"]], int(head["POINTS"][0])
@@ -61,17 +82,7 @@ def read(path: Path, notes: Notes) -> Scan:
         columns = _squeezed(path, data[start:], fields, kinds, sizes, counts, n)
     else:
         raise MeshError(f"{path.name!r} has data of the form {form[:40]!r}, which PCD doesn't know")
-    if any(axis not in columns for axis in "xyz"):
-        raise MeshError(f"{path.name!r} has no fields x, y and z, only {', '.join(fields)[:200]}")
-    scan = Scan(np.stack([columns[axis] for axis in "xyz"], axis=1, dtype=np.float64), is_single=True)
-    if all(f"normal_{axis}" in columns for axis in "xyz"):
-        scan.normals = np.stack([columns[f"normal_{axis}"] for axis in "xyz"], axis=1)
-    scan.colors = _colors(columns, form, notes)
-    view = numbers(" ".join(head.get("VIEWPOINT", [])).encode())
-    is_organized = int(head["HEIGHT"][0]) > 1
-    if len(view) >= 3 and np.isfinite(view[:3]).all() and (is_organized or view[:3].any()):
-        scan.viewpoint = view[:3]  # of a frame of a depth camera its own origin
-    return scan
+    return columns, head, form
 
 
 def _header(path: Path, data: bytes) -> tuple[dict[str, list[str]], int]:

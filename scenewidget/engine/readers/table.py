@@ -52,10 +52,10 @@ def read(path: Path, notes: Notes) -> Scan:
     return scan
 
 
-def columns_of(path: Path) -> dict[str, Any]:
-    """All columns of the text at ``path`` by their names; empty where it has no line of names."""
+def columns_of(path: Path) -> tuple[FloatArray, dict[str, Any]]:
+    """(n_rows, n_columns) numbers of the text at ``path``, and its columns by name, where it names them."""
     table = _table(path)
-    return {name: table.values[:, k] for k, name in reversed(list(enumerate(table.names)))}
+    return table.values, {name: table.values[:, k] for k, name in reversed(list(enumerate(table.names)))}
 
 
 def _table(path: Path) -> _Table:
@@ -68,7 +68,7 @@ def _table(path: Path) -> _Table:
         raise MeshError(f"{path.name!r} writes thousands with commas: save it without them")
     if b"," in data[:HEAD] and mark != b"," and re.search(rb"\d,\d", data[:HEAD]):
         data = data.replace(b",", b".")  # decimals as half of Europe writes them
-    promised, data = _promised(data)
+    promised, data = (None, data) if len(names) == 1 else _promised(data)  # a lone column counts nothing
     try:
         values, width = _rows(data, mark, names if mark != b" " else [])
     except MeshError as error:
