@@ -273,6 +273,12 @@ def test_a_stroke_of_the_round_brush_draws_a_segment_and_a_second_one_adds_to_it
     editor.view.point(x + 10, y)
     editor.view.wait("segments", str(editor.n + 1))  # shown while the button is down
     assert editor.edits() == []
+    canvas = editor.root.locator("canvas").element_handle()
+    stroke = canvas.evaluate("(canvas) => canvas.toDataURL()")
+    for mix in (0.5, 1.0):  # all of the picture is drawn anew, not what the stroke has changed alone
+        editor.book.execute(f"w.view.color_mix = {mix}")
+        is_as_before = "([canvas, stroke, mix]) => (canvas.toDataURL() === stroke) === (mix === 1)"
+        editor.page.wait_for_function(is_as_before, arg=[canvas, stroke, mix])
     editor.page.mouse.up()
     editor.settled(editor.n + 1)
     assert editor.python("len(w.session.edits[0].faces)") > 20

@@ -41,6 +41,7 @@ export function fakePicture({ mode = "edit", level = "base" } = {}) {
       new Set(Array.from({ length: 90 }, (_, face) => face).filter((face) => Math.abs(face - x) <= radius)),
     placeOf: (/** @type {number[]} */ [x]) => ({ x, y: 0 }),
     sight: {
+      widen() {},
       pixelAt: () => 0.01,
       placeOf: (/** @type {number} */ face) => ({ x: face, y: 0 }),
       awayFrom: (/** @type {number} */ face, /** @type {number[]} */ [x]) => (0.01 * (face - x)) ** 2,

@@ -52,7 +52,7 @@ export function highlightOf(
   const offered = suggested && !held ? partOf(suggested.face) : NONE;
   const goal = suggested && !held && suggested.onto >= 0 ? segmentOf(suggested.onto) : NONE;
   return {
-    hovered: held || face === null ? NONE : partOf(face),
+    hovered: held || face === null || gesture.phase === "paint" ? NONE : partOf(face), // what is painted is seen
     picked: isCut ? NONE : held ? held.part : offered,
     target: lit === NONE ? goal : lit,
     joined,

@@ -11,6 +11,7 @@
 
 import { rangesOf } from "../labels/painting.js";
 import { NONE } from "../labels/partition.js";
+import { nowhere } from "../scene/area.js";
 import { reached, specks } from "../scene/surface.js";
 
 /** @typedef {import("./gestures.js").Place} Place */
@@ -30,12 +31,27 @@ export function createPaint({ view, segments, options, send }) {
   /** Whether the stroke began without sticking, or went on so. */
   let isLoose = false;
   let request = 0;
+  /** @type {import("../labels/painting.js").Draft} */
+  let draft = { faceAtom: null };
+  /** Where the stroke has grown since it was last shown. */
+  let area = nowhere();
+  /** What it was shown with: another picture, or another segment that it goes to, and all of it looks different. */
+  const shown = {
+    sight: /** @type {import("../scene/sight.js").Sight | null} */ (null),
+    onto: /** @type {number | null} */ (null),
+  };
 
   /** Show the stroke with the next frame: a fast pointer moves several times in between. */
   function show() {
     request ||= requestAnimationFrame(() => {
       request = 0;
-      segments.sketch = edit();
+      const sketch = edit();
+      const { sight } = view;
+      const isSame = sight !== null && sight === shown.sight && sketch.onto_face === shown.onto;
+      segments.sketch = { ...sketch, draft };
+      segments.sketchArea = isSame && !view.isCloud ? area : null;
+      [shown.sight, shown.onto] = [sight, sketch.onto_face];
+      area = nowhere();
       send({ kind: "segments" });
     });
   }
@@ -71,6 +87,7 @@ export function createPaint({ view, segments, options, send }) {
     request = 0;
     const hadAny = faces.size > 0;
     [faces, first, hasLeft, isLoose] = [new Set(), null, false, false];
+    [draft, area, shown.sight] = [{ faceAtom: null }, nowhere(), null];
     segments.sketch = null;
     if (hadAny) send({ kind: "segments" });
   }
@@ -121,6 +138,7 @@ export function createPaint({ view, segments, options, send }) {
       for (const face of under(place, place.isFree ?? false)) {
         if (faces.has(face)) continue;
         faces.add(face);
+        if (!view.isCloud) view.sight?.widen(area, face);
         // what is in the sketch already is in another segment as it is shown, but no new face is
         if (first !== null && face !== first && !hasLeft)
           hasLeft = segments.baseOf(face) !== segments.baseOf(first);

@@ -39,14 +39,64 @@ export function* facesIn(ranges) {
 const sizes = new WeakMap();
 
 /**
+ * What a table of faces was made from, and which faces have another atom there.
+ * @type {WeakMap<Uint32Array, { of: Uint32Array, ranges: number[], touched: number[] }>}
+ */
+const origins = new WeakMap();
+
+/** The table that some faces were painted on, as long as they are kept. @type {WeakMap<number[], Uint32Array>} */
+const done = new WeakMap();
+
+/**
+ * The table of faces that a stroke is shown with: one for all of its frames, changed where the stroke has.
+ * @typedef {{ faceAtom: Uint32Array | null }} Draft
+ */
+
+/**
+ * Ranges of the faces in which two tables may differ; null if that isn't known.
+ * @param {Uint32Array} before
+ * @param {Uint32Array} after  may be the same, changed by a draft since it was shown
+ * @returns {number[] | null}
+ */
+export function differences(before, after) {
+  const [old, next] = [origins.get(before), origins.get(after)];
+  if (before === after) return next?.touched ?? [];
+  if (next?.of === before) return next.ranges;
+  if (old?.of === after) return old.ranges;
+  return old && next && old.of === next.of ? [...old.ranges, ...next.ranges] : null;
+}
+
+/**
+ * A copy of a table of faces in which some are about to change; of a draft it is the one of the last frame, as new.
+ * @param {Uint32Array} faceAtom
+ * @param {number[]} ranges
+ * @param {Draft | undefined} draft
+ */
+function copied(faceAtom, ranges, draft) {
+  const used = draft ? draft.faceAtom : (done.get(ranges) ?? null);
+  const origin = used && origins.get(used);
+  if (!used || origin?.of !== faceAtom) {
+    const copy = faceAtom.slice();
+    origins.set(copy, { of: faceAtom, ranges, touched: ranges });
+    if (draft) draft.faceAtom = copy;
+    else done.set(ranges, copy);
+    return copy;
+  }
+  for (const face of facesIn(origin.ranges)) used[face] = faceAtom[face];
+  origins.set(used, { of: faceAtom, ranges, touched: [...origin.ranges, ...ranges] });
+  return used;
+}
+
+/**
  * Faces put into a segment; null if all of them are in it already.
  * @param {Omit<FinerGround, "parents"> & { parents?: Uint32Array }} ground
  * @param {Uint32Array} atomSegment
  * @param {number[]} ranges
  * @param {number} target
+ * @param {Draft} [draft]  of a stroke that goes on
  * @returns {{ ground: FinerGround, atomSegment: Uint32Array } | null}
  */
-export function painted(ground, atomSegment, ranges, target) {
+export function painted(ground, atomSegment, ranges, target, draft) {
   const { faceAtom, parts } = ground;
   const nBefore = atomSegment.length;
   /** How many faces of each atom are painted. @type {Map<number, number>} */
@@ -59,7 +109,7 @@ export function painted(ground, atomSegment, ranges, target) {
   const whole = sizesOf(faceAtom, nBefore);
   const divided = [...counts].filter(([atom, n]) => n < whole[atom]).map(([atom]) => atom);
   const twins = new Map(divided.map((atom, i) => [atom, nBefore + i]));
-  const finer = divided.length > 0 ? faceAtom.slice() : faceAtom;
+  const finer = divided.length > 0 ? copied(faceAtom, ranges, draft) : faceAtom;
   for (const face of divided.length > 0 ? facesIn(ranges) : [])
     finer[face] = twins.get(finer[face]) ?? finer[face];
   if (divided.length > 0)

@@ -12,7 +12,7 @@ import { NONE } from "./partition.js";
  * @typedef {{ kind: "merge", face: number | number[], onto_face: number, level: string }
  *   | { kind: "split", face: number, level: string }
  *   | { kind: "cut", face_a: number, face_b: number }
- *   | { kind: "paint", ranges: number[], onto_face: number | null }
+ *   | { kind: "paint", ranges: number[], onto_face: number | null, draft?: import("./painting.js").Draft }
  *   | { kind: "slice", face: number, point: number[], normal: number[], off?: number[] }
  *   | { kind: Refinement, face: number }
  *   | { kind: "relabel", face: number, name: string }} Edit
@@ -117,11 +117,11 @@ function beforeCut({ faceAtom }, labels, { face_a, face_b }) {
  * @param {Extract<Edit, { kind: "paint" }>} edit
  * @returns {Labels | string}
  */
-function afterPaint(ground, labels, { ranges, onto_face }) {
+function afterPaint(ground, labels, { ranges, onto_face, draft }) {
   const target =
     onto_face === null ? highest(labels.atomSegment) + 1 : labels.atomSegment[ground.faceAtom[onto_face]];
   if (target === NONE) return "That surface is unlabeled: there is no segment to paint onto";
-  const after = painted(ground, labels.atomSegment, ranges, target);
+  const after = painted(ground, labels.atomSegment, ranges, target, draft);
   if (!after) return "All of that is in this segment already";
   return { ...withNames(labels.names, after.atomSegment, target), finer: after.ground };
 }

@@ -13,12 +13,13 @@ import { canMerge, FINAL, foresee, highest, NOTHING, replay } from "./prediction
 /** @typedef {import("../wire/wire.js").Model} Model */
 /** @typedef {import("./partition.js").Partition} Partition */
 /** @typedef {import("./partition.js").Tables} Tables */
+/** @typedef {{ left: number, top: number, right: number, bottom: number }} Area  of the picture, CSS pixels from the upper left */
 
 /**
  * What shows them.
  * @typedef {object} Picture
  * @property {{ vertices: Float32Array, faces: Uint32Array } | null} mesh
- * @property {(partition: Partition | null) => void} setPartition
+ * @property {(partition: Partition | null, area?: Area | null) => void} setPartition  area: all that has changed
  */
 
 export class ShownSegments {
@@ -40,6 +41,8 @@ export class ShownSegments {
     this.shown = null;
     /** An edit that is being made: shown, but not told. @type {import("./prediction.js").Edit | null} */
     this.sketch = null;
+    /** Where alone the sketch has changed since it was last shown, if that is known. @type {Area | null} */
+    this.sketchArea = null;
     /** The segments without a stroke that is being painted. @type {{ faceAtom: Uint32Array, atomSegment: Uint32Array } | null} */
     this.base = null;
     /** What a cut would divide off, shown as if it were done, while `under` are the segments. @type {{ under: Uint32Array, segment: number, nFaces: number, tables: Tables } | null} */
@@ -94,7 +97,8 @@ export class ShownSegments {
   /** @param {Partition | null} partition */
   #show(partition) {
     this.partition = partition;
-    this.picture.setPartition(partition);
+    this.picture.setPartition(partition, this.sketchArea);
+    this.sketchArea = null;
   }
 
   /** Show some faces as a segment of their own until the segments change; none ends it. @param {number[]} faces */

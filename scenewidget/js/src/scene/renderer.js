@@ -35,6 +35,7 @@ import {
   WebGLRenderTarget,
 } from "three";
 import { NONE } from "../labels/partition.js";
+import { scissor } from "./area.js";
 import { frame, projectionView, TANGENT } from "./camera.js";
 import { drawable, gather } from "./geometry.js";
 import {
@@ -190,6 +191,34 @@ export class SceneRenderer {
     this.#texture("faceAtom", integerTexture(faceAtom ?? new Uint32Array(1), 1));
   }
 
+  /**
+   * Other atoms of some faces, without sending those of all the others.
+   * @param {Uint32Array} faceAtom
+   * @param {number[]} ranges
+   */
+  changeFaceAtoms(faceAtom, ranges) {
+    const texture = /** @type {DataTexture} */ (this.paints.uniforms.faceAtom.value);
+    const { data, width } = /** @type {{ data: Uint32Array, width: number }} */ (texture.image);
+    /** @type {Set<number>} */
+    const rows = new Set();
+    for (let i = 0; i < ranges.length; i += 2) {
+      const [from, end] = [ranges[i], ranges[i + 1]];
+      data.set(faceAtom.subarray(from, end), from);
+      for (let row = Math.floor(from / width); row * width < end; row++) rows.add(row);
+    }
+    const { gl, three } = this;
+    const known = /** @type {any} */ (three.properties.get(texture)).__webglTexture;
+    if (!known) return; // it is sent as a whole, by and by
+    three.state.bindTexture(gl.TEXTURE_2D, known);
+    gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    for (const [first, end] of runs(rows)) {
+      const part = data.subarray(first * width, end * width);
+      const place = /** @type {const} */ ([gl.TEXTURE_2D, 0, 0, first, width, end - first]);
+      gl.texSubImage2D(...place, gl.RED_INTEGER, gl.UNSIGNED_INT, part);
+    }
+  }
+
   /** @param {Uint32Array} table  four numbers an atom, see partition.js */
   setAtomTable(table) {
     this.#texture("atoms", integerTexture(table, 4));
@@ -302,14 +331,18 @@ export class SceneRenderer {
   /**
    * Pass 2: from faces to segments, parts and colours.
    * @param {Look} look
+   * @param {import("./area.js").Area | null} [area]  all that is drawn; the rest stays as it was
    */
-  paint(look) {
+  paint(look, area = null) {
     if (!this.numbers) return;
     this.#uniform("colorBy", look.colorBy);
     this.#uniform("mixing", look.mixing);
     this.paints.uniforms.plain.value.set(...(look.isDark ? [0.78, 0.78, 0.77] : [0.86, 0.855, 0.84]));
     this.paints.uniforms.unlabeled.value.set(...(look.isDark ? [0.5, 0.51, 0.53] : [0.7, 0.7, 0.71]));
     this.painted.setSize(this.numbers.width, this.numbers.height);
+    const scale = this.size.ratio * this.picture.uniforms.scale.value;
+    this.painted.scissorTest = area !== null;
+    if (area) this.painted.scissor.set(...scissor(area, scale, this.numbers));
     this.three.setRenderTarget(this.painted);
     this.three.render(this.paintScene, this.camera);
     this.picture.uniforms.painted.value = this.painted.textures[0];
@@ -319,8 +352,9 @@ export class SceneRenderer {
   /**
    * Pass 3: onto the screen, with outlines and highlights.
    * @param {Look} look
+   * @param {import("./area.js").Area | null} [area]  all that is drawn; the rest stays as it was
    */
-  drawPicture(look) {
+  drawPicture(look, area = null) {
     if (!this.numbers) return;
     this.picture.uniforms.hasOutlines.value = look.outlines;
     this.picture.uniforms.outlinesParts.value = look.outlinesParts;
@@ -329,9 +363,12 @@ export class SceneRenderer {
     this.picture.uniforms.hovered.value = look.hovered;
     this.picture.uniforms.picked.value = look.picked;
     this.picture.uniforms.pulse.value = look.pulse;
+    if (area) this.three.setScissor(...scissor(area, this.size.ratio, this.size));
+    this.three.setScissorTest(area !== null);
     this.three.setRenderTarget(null);
     this.three.clear();
     this.three.render(this.pictureScene, this.camera);
+    this.three.setScissorTest(false);
   }
 
   /**
@@ -513,6 +550,18 @@ function screenScene(material) {
   const scene = new Scene();
   scene.add(mesh);
   return scene;
+}
+
+/** Rows that follow each other, from the first to after the last. @param {Iterable<number>} rows */
+function runs(rows) {
+  /** @type {Array<[first: number, end: number]>} */
+  const found = [];
+  for (const row of [...rows].sort((a, b) => a - b)) {
+    const last = found[found.length - 1];
+    if (last && row <= last[1]) last[1] = row + 1;
+    else found.push([row, row + 1]);
+  }
+  return found;
 }
 
 /**

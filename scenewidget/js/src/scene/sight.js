@@ -5,6 +5,7 @@
  * plane of the face that its pixel shows, within about a pixel, and faces the eye from the same side.
  */
 
+import { widen } from "./area.js";
 import { frame, TANGENT } from "./camera.js";
 
 /** @typedef {ReturnType<typeof createSight>} Sight */
@@ -85,6 +86,27 @@ export function createSight({ numbers, camera, aspect }, size, mesh) {
     placeOf(face) {
       look(face);
       return last.depth > 0 ? { x: last.x, y: last.y } : { x: Number.NaN, y: Number.NaN };
+    },
+
+    /**
+     * Let an area hold the corners of a face as they would be seen; one behind the eye may be anywhere.
+     * @param {import("./area.js").Area} area
+     * @param {number} face
+     */
+    widen(area, face) {
+      for (let corner = 3 * face; corner < 3 * face + 3; corner++) {
+        const v = 3 * faces[corner];
+        const [x, y, z] = [vertices[v] - eye[0], vertices[v + 1] - eye[1], vertices[v + 2] - eye[2]];
+        const half = (x * forward[0] + y * forward[1] + z * forward[2]) * tangent;
+        if (half > 0) {
+          const across = (x * right[0] + y * right[1] + z * right[2]) / (2 * half * aspect);
+          const upwards = (x * up[0] + y * up[1] + z * up[2]) / (2 * half);
+          widen(area, { x: (0.5 + across) * size.width, y: (0.5 - upwards) * size.height });
+        } else {
+          widen(area, { x: 0, y: 0 });
+          widen(area, { x: size.width, y: size.height });
+        }
+      }
     },
 
     /** Square of the distance of a face's middle from a point. @param {number} face @param {ArrayLike<number>} point */

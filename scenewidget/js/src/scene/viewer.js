@@ -7,7 +7,9 @@
 
 import { atomTable } from "../labels/atom_table.js";
 import { carried } from "../labels/hidden.js";
+import { differences } from "../labels/painting.js";
 import { NONE } from "../labels/partition.js";
+import { joined } from "./area.js";
 import {
   add,
   facing,
@@ -131,6 +133,8 @@ export class Viewer {
     this.chosen = null;
     this.isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.needs = 0;
+    /** All that is drawn by the next frame; null = the whole picture. @type {import("./area.js").Area | null} */
+    this.area = null;
     this.isMoving = false;
     this.isPlaced = false;
     this.hasDrawn = false;
@@ -203,10 +207,15 @@ export class Viewer {
     return low.map((from, k) => high[k] - from);
   }
 
-  /** @param {Partition | null} partition */
-  setPartition(partition) {
-    if (partition?.faceAtom !== this.partition?.faceAtom)
-      this.renderer.setFaceAtoms(partition?.faceAtom ?? null);
+  /**
+   * @param {Partition | null} partition
+   * @param {import("./area.js").Area | null} [area]  what alone looks different; null = anything may
+   */
+  setPartition(partition, area = null) {
+    const [before, after] = [this.partition?.faceAtom, partition?.faceAtom];
+    const changed = before && after ? differences(before, after) : null;
+    if (after && changed) this.renderer.changeFaceAtoms(after, changed);
+    else if (before !== after) this.renderer.setFaceAtoms(after ?? null);
     const hadHidden = this.hidden !== null;
     this.hidden =
       partition && partition.faceAtom === this.chosen?.faceAtom
@@ -214,7 +223,8 @@ export class Viewer {
         : carried(this.hidden, this.partition, partition);
     this.partition = partition;
     this.#setTable();
-    this.#draw(hadHidden && !this.hidden ? FACES : PAINT);
+    if (hadHidden && !this.hidden) this.#draw(FACES);
+    else this.#draw(PAINT, area);
   }
 
   /**
@@ -635,8 +645,10 @@ export class Viewer {
     return this.anchor.point;
   }
 
-  #draw(needs = FACES) {
+  /** @param {number} [needs] @param {import("./area.js").Area | null} [area] */
+  #draw(needs = FACES, area = null) {
     if (needs === FACES) this.onMove();
+    this.area = this.needs === 0 ? area : joined(this.area, area);
     this.needs = Math.max(this.needs, needs);
     if (this.request) return;
     this.request = requestAnimationFrame(() => {
@@ -653,7 +665,7 @@ export class Viewer {
     this.request = 0;
     if (this.isDisposed || this.isLost || !this.mesh || !this.isPlaced || this.size.width < 1) return;
     this.#advanceFlight();
-    const needs = this.needs;
+    const { needs, area } = this;
     this.needs = 0;
     const nFaces = this.mesh.faces.length / 3;
     const isSlow = this.cost === null ? nFaces > 3 * COARSE_FACES : this.cost > SMOOTH_MS;
@@ -667,8 +679,8 @@ export class Viewer {
       this.renderer.drawFaces(this.camera, { scale, isCoarse: isDraft, backFaces });
     }
     const look = this.#currentLook();
-    if (needs >= PAINT) this.renderer.paint(look);
-    this.renderer.drawPicture(look);
+    if (needs >= PAINT) this.renderer.paint(look, area);
+    this.renderer.drawPicture(look, area);
     if (needs === FACES && this.isMoving) this.#awaitRest(); // a slow frame is no rest
     if (needs === FACES && !this.isMoving) this.#readNumbers(began);
     if (!this.hasDrawn) {

@@ -69,3 +69,8 @@ test("a suggestion lights up until something is in hand", () => {
   assert.deepEqual(highlightOf({ ...rest, suggested, gesture }, surface), { ...none, picked: 11 });
   assert.equal(heldOf(gesture)?.face, 1);
 });
+
+test("nothing blinks under a brush that paints", () => {
+  const gesture = { ...IDLE, phase: /** @type {const} */ ("paint") };
+  assert.deepEqual(highlightOf({ ...rest, gesture, tool: "paint", face: 3 }, surface), none);
+});

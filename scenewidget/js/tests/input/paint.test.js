@@ -19,7 +19,9 @@ test("a stroke inside a segment makes its faces a new one, in one edit on releas
   assert.equal(root.dataset.gesture, "paint");
   assert.equal(segments.sketch, null);
   await frame();
-  assert.deepEqual(segments.sketch, { kind: "paint", ranges: [11, 14], onto_face: null });
+  const { draft, ...sketch } = segments.sketch;
+  assert.deepEqual(sketch, { kind: "paint", ranges: [11, 14], onto_face: null });
+  assert.equal(draft.faceAtom, null); // it is painted on when it is shown
   press("move", 14);
   assert.deepEqual(take("edit"), []);
   press("up", 15);

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { facesIn, finerTables, painted, rangesOf } from "../../src/labels/painting.js";
+import { differences, facesIn, finerTables, painted, rangesOf } from "../../src/labels/painting.js";
 import { makePartition, NONE } from "../../src/labels/partition.js";
 import { foresee, replay } from "../../src/labels/prediction.js";
 
@@ -64,4 +64,25 @@ test("tables follow the atoms, and Python's stay as they are", () => {
     0,
   );
   assert.deepEqual([...shown.atomFaces], [1, 1, 2, 1, 1]);
+});
+
+test("a stroke that goes on keeps its table, and says what has changed in it", () => {
+  const draft = { faceAtom: null };
+  const first = painted(ground, labels.atomSegment, [1, 2], 5, draft)?.ground.faceAtom;
+  assert.ok(first);
+  assert.deepEqual([...first], [0, 3, 1, 1, 2, 2]);
+  assert.deepEqual(differences(ground.faceAtom, first), [1, 2]);
+  const next = painted(ground, labels.atomSegment, [2, 3], 5, draft)?.ground.faceAtom;
+  assert.equal(next, first);
+  assert.deepEqual([...first], [0, 0, 3, 1, 2, 2]); // what is in it no longer is as it was
+  assert.deepEqual(differences(first, first), [1, 2, 2, 3]);
+  assert.deepEqual(differences(first, ground.faceAtom), [2, 3]);
+  assert.equal(differences(first, Uint32Array.of(0, 0, 1, 1, 2, 2)), null);
+});
+
+test("a stroke that waits for Python is copied once", () => {
+  const ranges = [1, 3];
+  const [first, again] = [0, 1].map(() => painted(ground, labels.atomSegment, ranges, 5)?.ground.faceAtom);
+  assert.equal(first, again);
+  assert.notEqual(painted(ground, labels.atomSegment, [1, 3], 5)?.ground.faceAtom, first);
 });
