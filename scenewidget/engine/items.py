@@ -12,7 +12,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
@@ -31,12 +31,13 @@ from scenewidget.engine.mesh import (
     ascending,
     connected_components,
     face_adjacency,
+    in_order,
 )
 from scenewidget.engine.moments import Moments, group_moments, mean_normals, moment_origin
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.preprocess import filter_normals, simplify
 from scenewidget.engine.scale import far_apart, geometric_order, own_frame, scene_scale
-from scenewidget.engine.threads import n_threads
+from scenewidget.engine.threads import at_once, n_threads
 
 __all__ = ["Items", "Touching", "find_bridges", "patch_items", "simplified_items", "superfacet_items"]
 
@@ -413,27 +414,29 @@ def superfacet_items(
     _ = mesh.face_normals, mesh.face_centroids  # wanted of both: to put them in order is less work than anew
     frame = monitor.call(own_frame, mesh.face_centroids, mesh.face_areas)
     whole = scene_scale(mesh, frame) if scale == "auto" else float(scale)
-    island = monitor.call(far_apart, mesh, pairs, apart * whole)
+    island, in_frame = monitor.call(
+        at_once, partial(far_apart, mesh, pairs, apart * whole), partial(geometric_order, mesh, frame)
+    )
     areas = np.bincount(island, mesh.face_areas)
     island = np.where(areas[island] >= max(SCENE, 100 / n_items) * total, island, 0).astype(np.int32)
     n_islands = int(island.max()) + 1
     frames, units, orders = [], [], []
     for i in range(n_islands):
-        faces, alone, unit = np.flatnonzero(island == i), mesh, whole
+        order, unit = in_frame, whole
         if n_islands > 1:
+            faces = np.flatnonzero(island == i)
             alone = mesh.part(faces)
             frame = monitor.call(own_frame, alone.face_centroids, alone.face_areas)
             unit = scene_scale(alone, frame) if scale == "auto" else whole
+            order = faces[monitor.call(geometric_order, alone, frame)]
         frames.append(frame)
         units.append(unit)
-        orders.append(faces[monitor.call(geometric_order, alone, frame)])
+        orders.append(order)
     order = np.concatenate(orders)
     ordered, island = mesh.chosen(order), island[order]
     place = np.empty(mesh.n_faces, dtype=np.int32)
     place[order] = np.arange(mesh.n_faces, dtype=np.int32)
-    one, other = place[pairs.T].astype(np.int64)
-    code = np.sort(np.minimum(one, other) * mesh.n_faces + np.maximum(one, other))
-    pairs = np.stack([code // mesh.n_faces, code % mesh.n_faces], axis=1).astype(np.int32)
+    pairs = in_order(*place[pairs.T])
     areas = np.bincount(island, ordered.face_areas)
     scales = np.array(units)
     item, face_map = np.empty(mesh.n_faces, np.int32), np.empty(mesh.n_faces, np.int32)
@@ -528,11 +531,11 @@ def _superfacets(
     if sweeps == "auto":
         sweeps = sweeps_for(float(np.sqrt(2.0 * np.median(mesh.face_areas))) / scale)
     turned = mesh.face_normals @ frame
-    normals = filter_normals(
-        mesh, pairs, normals=turned, sweeps=sweeps, n_threads=n_threads(), monitor=monitor
+    smooth = partial(
+        filter_normals, mesh, pairs, normals=turned, sweeps=sweeps, n_threads=n_threads(), monitor=monitor
     )
+    normals, bridges = at_once(smooth, partial(find_bridges, mesh, pairs, bridge))
     monitor.tick(0.5)
-    bridges = monitor.call(find_bridges, mesh, pairs, bridge)
     links = np.concatenate([pairs, bridges])
     steps = normals[links[:, 0]] - normals[links[:, 1]]
     weights = 0.5 * np.einsum("ij,ij->i", steps, steps)  # 1 − N_i·N_j, whose digits float32 would lose
@@ -714,8 +717,7 @@ def find_bridges(mesh: Mesh, pairs: IntArray, reach: float) -> IntArray:
         found = border[_nearest_elsewhere(tree, points, home, asking, reach)]
         if len(found) == 0:
             break
-        found = np.concatenate([bridges, np.sort(found, axis=1)])
-        bridges = np.unique(found, axis=0).astype(np.int32)
+        bridges = in_order(*np.concatenate([bridges, found]).T)
         n_components, group = connected_components(n_components, component[bridges])
         component, home, size = group[component], group[home], np.bincount(group, size)
     return bridges

@@ -14,8 +14,9 @@ from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 import numpy.typing as npt
-from scipy import sparse
-from scipy.sparse import csgraph
+
+from scenewidget.engine.kernels import kernel
+from scenewidget.engine.threads import by_parts
 
 __all__ = [
     "BoolArray",
@@ -192,7 +193,7 @@ class Mesh:
         chosen = Mesh(self.vertices, self.faces[faces], self.vertex_colors)
         for name in ("face_vectors", "face_areas", "face_normals", "face_centroids"):
             if name in vars(self):  # what is known of the faces need not be computed again
-                vars(chosen)[name] = _read_only(vars(self)[name][faces])
+                vars(chosen)[name] = _read_only(taken(vars(self)[name], faces))
         return chosen
 
     def part(self, faces: IntArray) -> Mesh:
@@ -236,39 +237,81 @@ class Mesh:
     @cached_property
     def face_vectors(self) -> FloatArray:
         """(n_faces, 3) cross product of two edges: normal direction, length twice the area."""
-        a, b, c = (np.ascontiguousarray(corner) for corner in self.faces.T)
-        sides = []  # one coordinate after the other, which caches like
-        for place in map(np.ascontiguousarray, self.vertices.T):
-            start = place[a]
-            sides.append((place[b] - start, place[c] - start))
+        places = [np.ascontiguousarray(place) for place in self.vertices.T]
         out = np.empty((self.n_faces, 3))
-        for i in range(3):
-            (u, v), (x, y) = sides[i - 2], sides[i - 1]
-            np.subtract(u * y, x * v, out=out[:, i])
+
+        def cross(rows: slice) -> None:
+            a, b, c = (np.ascontiguousarray(corner) for corner in self.faces[rows].T)
+            sides = []  # one coordinate after the other, which caches like
+            for place in places:
+                start = place[a]
+                sides.append((place[b] - start, place[c] - start))
+            for i in range(3):
+                (u, v), (x, y) = sides[i - 2], sides[i - 1]
+                np.subtract(u * y, x * v, out=out[rows, i])
+
+        by_parts(cross, self.n_faces)
         return _read_only(out)
 
     @cached_property
     def face_areas(self) -> FloatArray:
         """(n_faces,) square metres; 0 for degenerate faces."""
-        x, y, z = np.square(self.face_vectors).T
-        return _read_only(0.5 * np.sqrt(x + y + z))
+        out = np.empty(self.n_faces)
+
+        def half_lengths(rows: slice) -> None:
+            x, y, z = np.square(self.face_vectors[rows]).T
+            np.multiply(0.5, np.sqrt(x + y + z), out=out[rows])
+
+        by_parts(half_lengths, self.n_faces)
+        return _read_only(out)
 
     @cached_property
     def face_normals(self) -> FloatArray:
         """(n_faces, 3) unit normals by the right-hand rule; zero vectors for degenerate faces."""
-        length = 2.0 * self.face_areas[:, None]
-        return _read_only(
-            np.divide(self.face_vectors, length, out=np.zeros((self.n_faces, 3)), where=length > 0)
-        )
+        out = np.zeros((self.n_faces, 3))
+
+        def units(rows: slice) -> None:
+            length = 2.0 * self.face_areas[rows, None]
+            np.divide(self.face_vectors[rows], length, out=out[rows], where=length > 0)
+
+        by_parts(units, self.n_faces)
+        return _read_only(out)
 
     @cached_property
     def face_centroids(self) -> FloatArray:
         """(n_faces, 3) mean of the three corners, metres."""
-        a, b, c = self.faces.T
-        sums = self.vertices[a]
-        sums += self.vertices[b]
-        sums += self.vertices[c]
-        return _read_only(sums / 3)
+        out = np.empty((self.n_faces, 3))
+
+        def middles(rows: slice) -> None:
+            a, b, c = self.faces[rows].T
+            sums = self.vertices[a]
+            sums += self.vertices[b]
+            sums += self.vertices[c]
+            np.divide(sums, 3, out=out[rows])
+
+        by_parts(middles, self.n_faces)
+        return _read_only(out)
+
+
+def taken(rows: npt.NDArray[Number], which: IntArray) -> npt.NDArray[Number]:
+    """``rows[which]``, on all threads.
+
+    Parameters
+    ----------
+    rows : (n, ...)
+    which : (m,) int
+        Not negative.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.mesh import taken
+    >>> taken(np.array([5, 6, 7]), np.array([2, 0])).tolist()
+    [7, 5]
+    """
+    out = np.empty((len(which), *rows.shape[1:]), dtype=rows.dtype)
+    by_parts(lambda part: np.take(rows, which[part], axis=0, out=out[part], mode="clip"), len(which))
+    return out
 
 
 def _read_only(array: npt.NDArray[Number]) -> npt.NDArray[Number]:
@@ -331,35 +374,71 @@ def face_adjacency(mesh: Mesh) -> IntArray:
 
 def _shared_edges(mesh: Mesh) -> IntArray:
     n, bits = mesh.n_faces, mesh.n_vertices.bit_length()
-    corners = [np.ascontiguousarray(corner, dtype=np.int64) for corner in weld(mesh)[mesh.faces].T]
-    keys, faces = [], []
-    for start, end in zip(corners, corners[1:] + corners[:1]):
-        keep = start != end
-        keys.append((np.minimum(start, end) << bits | np.maximum(start, end))[keep])
-        faces.append(np.flatnonzero(keep))
-    key, face = np.concatenate(keys), np.concatenate(faces)
-    if 2 * bits + n.bit_length() < 64:  # sorting both in one number takes a third of the time
-        both = np.sort(key << n.bit_length() | face)
-        key, face = both >> n.bit_length(), (both & ((1 << n.bit_length()) - 1)).astype(np.int32)
+    corner = weld(mesh)
+    fits = 2 * bits + n.bit_length() < 64  # sorting edge and face in one number takes a third of the time
+    key = np.empty((3, n), dtype=np.int64)
+    is_edge = np.ones((3, n), dtype=np.bool_)
+
+    def keys(rows: slice) -> None:
+        ends = [np.take(corner, side).astype(np.int64) for side in mesh.faces[rows].T]
+        for side, (start, end) in enumerate(zip(ends, ends[1:] + ends[:1])):
+            code = np.minimum(start, end) << bits | np.maximum(start, end)
+            if fits:
+                code = code << n.bit_length() | np.arange(rows.start, rows.stop)
+            key[side, rows] = code
+            np.not_equal(start, end, out=is_edge[side, rows])
+
+    by_parts(keys, n)
+    codes: IntArray = key.ravel() if is_edge.all() else key[is_edge]
+    face: IntArray
+    if fits:
+        codes.sort()
+        face = (codes & ((1 << n.bit_length()) - 1)).astype(np.int32)
+        codes >>= n.bit_length()
     else:
-        order = np.argsort(key)
-        key, face = key[order], face[order].astype(np.int32)
-    run_start = np.concatenate([[True], key[1:] != key[:-1]])
-    run_length = np.diff(np.append(np.flatnonzero(run_start), len(key)))
-    if run_length.max(initial=0) > MAX_FAN:  # chains follow the order of the faces
-        order = np.lexsort((face, key))
-        key, face = key[order], face[order]
-    found = []
-    for gap in range(1, min(MAX_FAN, run_length.max(initial=1))):
-        same = key[gap:] == key[:-gap]
-        if gap > 1:
-            same &= np.repeat(run_length <= MAX_FAN, run_length)[gap:]
-        found.append(np.stack([face[:-gap][same], face[gap:][same]], axis=1))
-    pairs = np.concatenate(found) if found else np.empty((0, 2), np.int32)
+        order = np.argsort(codes)
+        face = (np.flatnonzero(is_edge.ravel())[order] % n).astype(np.int32)
+        codes = codes[order]
+    is_same = codes[1:] == codes[:-1]
+    start = np.flatnonzero(np.concatenate([[True], ~is_same]))
+    length = np.diff(np.append(start, len(codes)))
+    if length.max(initial=0) > MAX_FAN:  # chains follow the order of the faces
+        order = np.lexsort((face, codes))
+        face = face[order]
+    found = [np.stack([face[:-1][is_same], face[1:][is_same]], axis=1)]
+    is_fan = (length > 2) & (length <= MAX_FAN)
+    start, length = start[is_fan], length[is_fan]
+    for gap in range(2, int(length.max(initial=0))):  # few edges have more than two faces
+        for first in range(int(length.max()) - gap):
+            one = start[length > first + gap] + first
+            found.append(np.stack([face[one], face[one + gap]], axis=1))
+    pairs = np.concatenate(found)
     one, other = pairs[pairs[:, 0] != pairs[:, 1]].T
-    code = np.sort(np.minimum(one, other).astype(np.int64) << 32 | np.maximum(one, other))
-    code = code[np.concatenate([[True], code[1:] != code[:-1]])] if len(code) else code
-    return np.stack([code >> 32, code & 0xFFFFFFFF], axis=1).astype(np.int32)
+    return in_order(one, other)
+
+
+def in_order(one: IntArray, other: IntArray) -> IntArray:
+    """(n_pairs, 2) int32 each pair once, the smaller first, in lexicographic order.
+
+    Parameters
+    ----------
+    one, other : (n,) int
+        What is paired.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.mesh import in_order
+    >>> in_order(np.array([2, 0, 1]), np.array([1, 3, 2])).tolist()
+    [[0, 3], [1, 2]]
+    """
+    code = np.minimum(one, other).astype(np.int64) << 32 | np.maximum(one, other)
+    code.sort()
+    if np.any(code[1:] == code[:-1]):
+        code = code[np.concatenate([[True], code[1:] != code[:-1]])]
+    out = np.empty((len(code), 2), dtype=np.int32)
+    out[:, 0], out[:, 1] = code >> 32, code & 0xFFFFFFFF
+    return out
 
 
 def shared_edge_lengths(mesh: Mesh, face_pairs: IntArray) -> FloatArray:
@@ -400,18 +479,19 @@ def _welded(mesh: Mesh) -> IntArray:
     with np.errstate(over="ignore"):
         hashed = (bits ^ (bits >> np.uint64(29))) * mix
         code = hashed[:, 0] ^ (hashed[:, 1] << np.uint64(1)) ^ (hashed[:, 2] >> np.uint64(1))
-    order = np.argsort(code, kind="stable")
-    same_code = code[order][1:] == code[order][:-1]
+    order = ascending(code)
+    code = code[order]
+    is_same = code[1:] == code[:-1]
     out = np.arange(mesh.n_vertices, dtype=np.int32)
-    if not same_code.any():
+    same = np.flatnonzero(is_same)
+    if len(same) == 0:
         return out
-    same_place = (mesh.vertices[order[1:]] == mesh.vertices[order[:-1]]).all(axis=1)
-    if not np.array_equal(same_code, same_place):  # two places, one hash: compare the positions themselves
+    if not (mesh.vertices[order[same + 1]] == mesh.vertices[order[same]]).all():
+        # two places, one hash: compare the positions themselves
         order = np.lexsort((np.arange(mesh.n_vertices), *mesh.vertices.T))
-        same_place = (mesh.vertices[order[1:]] == mesh.vertices[order[:-1]]).all(axis=1)
-    first = np.flatnonzero(np.concatenate([[True], ~same_place]))
-    group = np.cumsum(np.concatenate([[True], ~same_place])) - 1
-    out[order] = order[first][group]
+        is_same = (mesh.vertices[order[1:]] == mesh.vertices[order[:-1]]).all(axis=1)
+    is_first = np.concatenate([[True], ~is_same])
+    out[order] = order[is_first][np.cumsum(is_first) - 1]
     return out
 
 
@@ -435,8 +515,36 @@ def ascending(values: FloatArray | IntArray) -> IntArray:
         key.sort()
         return (key & np.uint64(0xFFFFFFFF)).astype(np.int64)
     order = np.argsort(values)  # several times as fast as a stable one, which only ties want
-    ordered = values[order]
-    return np.argsort(values, kind="stable") if np.any(ordered[1:] == ordered[:-1]) else order
+    tied, tie = ties(values[order])
+    order[tied] = order[tied][np.lexsort((order[tied], tie))]
+    return order
+
+
+def ties(ordered: npt.NDArray[Any]) -> tuple[IntArray, IntArray]:
+    """Places of those of sorted values that come several times, and which of these values each is.
+
+    Parameters
+    ----------
+    ordered : (n,)
+
+    Returns
+    -------
+    tied : (n_tied,) int64
+        Ascending.
+    tie : (n_tied,) int64
+        From 0 on.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.mesh import ties
+    >>> ties(np.array([1, 2, 2, 3, 5, 5]))
+    (array([1, 2, 4, 5]), array([0, 0, 1, 1]))
+    """
+    is_same = np.zeros(len(ordered) + 1, dtype=np.bool_)
+    np.equal(ordered[1:], ordered[:-1], out=is_same[1:-1])
+    tied = np.flatnonzero(is_same[1:] | is_same[:-1])
+    return tied, np.cumsum(~is_same[tied]) - 1
 
 
 def unique_codes(codes: IntArray, end: int) -> tuple[IntArray, IntArray]:
@@ -489,10 +597,33 @@ def connected_components(n_items: int, pairs: IntArray) -> tuple[int, IntArray]:
     >>> connected_components(4, np.array([[0, 1], [2, 3]]))
     (2, array([0, 0, 1, 1], dtype=int32))
     """
-    ones = np.ones(len(pairs), dtype=np.int8)
-    graph = sparse.coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(n_items, n_items))
-    count, component = csgraph.connected_components(graph, directed=False)
-    return int(count), component.astype(np.int32)
+    component = np.arange(n_items, dtype=np.int32)
+    return int(_join_all(np.ascontiguousarray(pairs, dtype=np.int32), component)), component
+
+
+@kernel
+def _join_all(pairs, parent):  # type: ignore[no-untyped-def]
+    """``parent``, each item its own at first, becomes the component of each item; returns their number."""
+    for e in range(len(pairs)):
+        a, b = pairs[e, 0], pairs[e, 1]
+        while parent[a] != a:
+            parent[a] = parent[parent[a]]
+            a = parent[a]
+        while parent[b] != b:
+            parent[b] = parent[parent[b]]
+            b = parent[b]
+        if a < b:  # the lowest is the root, so every other's parent comes before it
+            parent[b] = a
+        else:
+            parent[a] = b
+    count = 0
+    for i in range(len(parent)):
+        if parent[i] == i:
+            parent[i] = count
+            count += 1
+        else:
+            parent[i] = parent[parent[i]]
+    return count
 
 
 def __getattr__(name: str) -> Any:

@@ -17,8 +17,10 @@ from scenewidget.engine.mesh import (
     Mesh,
     ascending,
     connected_components,
+    ties,
     unique_codes,
 )
+from scenewidget.engine.threads import by_parts
 
 __all__ = ["far_apart", "geometric_order", "own_frame", "principal_axes", "scene_scale"]
 
@@ -193,26 +195,43 @@ def geometric_order(mesh: Mesh, frame: FloatArray | None = None) -> IntArray:
     """
     axes = own_frame(mesh.face_centroids, mesh.face_areas) if frame is None else frame
     along = mesh.vertices @ axes
-    along = along - along.min(axis=0, initial=0.0)
+    along -= along.min(axis=0, initial=0.0)
     step = max(float(along.max(initial=0.0)) / STEPS, 1e-300)
-    x, y, z = np.round(along / step).astype(np.int64).T
-    code = (x << 42) | (y << 21) | z
+    code = np.empty(mesh.n_vertices, dtype=np.int64)
+
+    def codes(rows: slice) -> None:
+        x, y, z = np.round(along[rows] / step).astype(np.int64).T
+        code[rows] = (x << 42) | (y << 21) | z
+
+    by_parts(codes, mesh.n_vertices)
     order = np.argsort(code)
-    is_new = np.diff(code[order]) > 0
-    apart = np.any(mesh.vertices[order[1:]] != mesh.vertices[order[:-1]], axis=1)
-    if np.any(apart & ~is_new):
-        order = np.lexsort((*mesh.vertices.T, code))
-        is_new = np.any(mesh.vertices[order[1:]] != mesh.vertices[order[:-1]], axis=1)
+    code = code[order]
+    tied, tie = ties(code)  # mostly corners at one place
+    order[tied] = order[tied][np.lexsort((*mesh.vertices[order[tied]].T, tie))]
+    is_new = code[1:] != code[:-1]
+    same = np.flatnonzero(~is_new)
+    is_new[same] = np.any(mesh.vertices[order[same + 1]] != mesh.vertices[order[same]], axis=1)
     place = np.empty(mesh.n_vertices, dtype=np.int64)
     place[order] = np.concatenate([[0], np.cumsum(is_new)])
     if mesh.is_cloud:
         return ascending(place).astype(np.int32)
-    a, b, c = place[mesh.faces].T  # whichever corner a face begins with
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    first, second, third = np.minimum(low, c), np.maximum(low, np.minimum(high, c)), np.maximum(high, c)
-    if mesh.n_vertices >= 2_000_000:
-        return np.lexsort((third, second, first)).astype(np.int32)
-    return ascending((first * mesh.n_vertices + second) * mesh.n_vertices + third).astype(np.int32)
+    n, corners = mesh.n_vertices, np.empty((2, mesh.n_faces), dtype=np.int64)
+
+    def sorted_corners(rows: slice) -> None:
+        a, b, c = place[mesh.faces[rows]].T  # whichever corner a face begins with
+        low, high = np.minimum(a, b), np.maximum(a, b)
+        second = np.maximum(low, np.minimum(high, c))
+        corners[0, rows] = np.minimum(low, c) * n + second
+        corners[1, rows] = np.maximum(high, c)
+
+    by_parts(sorted_corners, mesh.n_faces)
+    edge, third = corners
+    if n < 2_000_000:
+        return ascending(edge * n + third).astype(np.int32)
+    order = np.argsort(edge)
+    tied, tie = ties(edge[order])
+    order[tied] = order[tied][np.lexsort((order[tied], third[order[tied]], tie))]
+    return order.astype(np.int32)
 
 
 def far_apart(mesh: Mesh, pairs: IntArray, gap: float) -> IntArray:
@@ -244,20 +263,32 @@ def far_apart(mesh: Mesh, pairs: IntArray, gap: float) -> IntArray:
     """
     n, component = connected_components(mesh.n_faces, pairs)
     if n > 1:
-        cell = np.floor((mesh.face_centroids - mesh.bounds[0]) / (gap / 4)).astype(np.int64)
-        deep, wide, high = (cell.max(axis=0) + 1).tolist()
-        codes, where = unique_codes((cell[:, 0] * wide + cell[:, 1]) * high + cell[:, 2], deep * wide * high)
+        size, low = gap / 4, mesh.bounds[0]
+        deep, wide, high = (_cells(mesh.face_centroids.max(axis=0), low, size) + 1).tolist()
+        code = np.empty(mesh.n_faces, dtype=np.int64)
+
+        def codes_of(rows: slice) -> None:
+            x, y, z = _cells(mesh.face_centroids[rows], low, size).T
+            code[rows] = (x * wide + y) * high + z
+
+        by_parts(codes_of, mesh.n_faces)
+        codes, where = unique_codes(code, deep * wide * high)
         near = cKDTree(_centers(mesh, where, len(codes))).query_pairs(gap, output_type="ndarray")
         # components, then cells, which hold what is nearer than the gap: one graph of both
-        links = np.stack([component, n + where], axis=1)
-        is_new = (links[1:] != links[:-1]).any(axis=1)  # most faces follow one of the same cell
-        links = np.concatenate([links[:1], links[1:][is_new], n + near])
+        is_new = (component[1:] != component[:-1]) | (where[1:] != where[:-1])
+        is_new = np.concatenate([[True], is_new])  # most faces follow one of the same cell
+        links = np.concatenate([np.stack([component[is_new], n + where[is_new]], axis=1), n + near])
         component = connected_components(n + len(codes), links)[1][component]
         n = int(component.max()) + 1
     area = np.bincount(component, mesh.face_areas, n)
     rank = np.empty(n, dtype=np.int32)
     rank[np.argsort(-area, kind="stable")] = np.arange(n, dtype=np.int32)
     return rank[component]
+
+
+def _cells(places: FloatArray, low: FloatArray, size: float) -> IntArray:
+    cells: IntArray = np.floor((places - low) / size).astype(np.int64)
+    return cells
 
 
 def _centers(mesh: Mesh, where: IntArray, n: int) -> FloatArray:

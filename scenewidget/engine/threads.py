@@ -9,15 +9,18 @@ from __future__ import annotations
 import functools
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any
 
 from threadpoolctl import ThreadpoolController  # type: ignore[import-untyped]
 
-__all__ = ["KNOB", "n_threads", "one_blas_thread"]
+__all__ = ["KNOB", "at_once", "by_parts", "n_threads", "one_blas_thread"]
 
 KNOB = "SCENEWIDGET_THREADS"  # variable of the environment, so that processes hand it on
+
+PART = 1 << 16  # rows whose temporaries stay in a core's cache
 
 _lock = threading.Lock()
 _n_inside = 0
@@ -51,6 +54,58 @@ def n_threads() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def by_parts(work: Callable[[slice], object], n: int) -> None:
+    """Call ``work`` for one part of ``n`` rows after the other, on all threads.
+
+    What is computed of each row alone is done so in half the time on one core, because temporaries of a part
+    stay in its cache, and in less on several. What is in a part depends on ``n`` only.
+
+    Parameters
+    ----------
+    work : callable (slice)
+        Writes the result of these rows.
+    n : int
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.threads import by_parts
+    >>> squares = np.empty(5)
+    >>> def square(rows):
+    ...     squares[rows] = np.arange(5)[rows] ** 2
+    >>> by_parts(square, 5)
+    >>> squares.tolist()
+    [0.0, 1.0, 4.0, 9.0, 16.0]
+    """
+    parts = [slice(start, min(start + PART, n)) for start in range(0, n, PART)]
+    if len(parts) < 2 or n_threads() == 1:
+        for part in parts:
+            work(part)
+        return
+    with ThreadPoolExecutor(n_threads()) as pool:
+        for _ in pool.map(work, parts):
+            pass
+
+
+def at_once(*calls: Callable[[], Any]) -> list[Any]:
+    """Results of calls that don't wait for each other, on all threads.
+
+    Parameters
+    ----------
+    *calls : callable ()
+
+    Examples
+    --------
+    >>> from scenewidget.engine.threads import at_once
+    >>> at_once(lambda: 1, lambda: "two")
+    [1, 'two']
+    """
+    if n_threads() == 1:
+        return [call() for call in calls]
+    with ThreadPoolExecutor(n_threads()) as pool:
+        return [job.result() for job in [pool.submit(call) for call in calls]]
 
 
 @contextmanager

@@ -1,11 +1,12 @@
-"""One BLAS thread within the context, what was set before outside of it, whoever leaves last."""
+"""One BLAS thread within the context, what was set before outside of it; work shared out by rows or calls."""
 
 import threading
 
+import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from scenewidget.engine.threads import one_blas_thread
+from scenewidget.engine.threads import KNOB, PART, at_once, by_parts, one_blas_thread
 
 
 def blas_threads():
@@ -63,3 +64,25 @@ def test_threads_inside_at_once_each_find_afterwards_what_was_set_before():
     with one_blas_thread():
         assert blas_threads() == {1}
     assert blas_threads() == {2}
+
+
+@pytest.mark.parametrize("n", [0, 1, PART, 3 * PART + 7])
+@pytest.mark.parametrize("threads", ["1", "3"])
+def test_parts_hold_each_row_once(monkeypatch, n, threads):
+    monkeypatch.setenv(KNOB, threads)
+    times = np.zeros(n, dtype=int)
+
+    def count(rows):
+        times[rows] += 1
+
+    by_parts(count, n)
+    assert (times == 1).all()
+
+
+@pytest.mark.parametrize("threads", ["1", "3"])
+def test_what_goes_wrong_in_a_part_or_a_call_is_raised(monkeypatch, threads):
+    monkeypatch.setenv(KNOB, threads)
+    with pytest.raises(ZeroDivisionError):
+        by_parts(lambda rows: rows.start // 0, 2 * PART)
+    with pytest.raises(ZeroDivisionError):
+        at_once(lambda: 1, lambda: 1 // 0)
