@@ -24,6 +24,11 @@ from scenewidget.engine.readers import load
 
 __all__ = ["ProjectBinding", "mesh_of_project"]
 
+OF_OTHERS = (  # suffixes of scans and of labels: a project under such a name is taken for one of them
+    *(".ply", ".obj", ".glb", ".gltf", ".stl", ".off", ".pcd", ".las", ".laz", ".e57", ".xyz", ".pts"),
+    *(".npz", ".npy", ".json", ".xml", ".csv", ".txt", ".html", ".png"),
+)
+
 
 class ProjectBinding:
     """Keeps the log of a session, in memory at first and in a file once there is one.
@@ -140,6 +145,8 @@ class ProjectBinding:
         """Write everything; see `Session.save`."""
         if path is None and self._file is None:
             raise ValueError("the session has no file yet: save('room.swproj')")
+        if path is not None:
+            _check_suffix(checked_path(path))
         mine = self._file
         target = mine.path if path is None and mine is not None else checked_path(path)
         is_same = mine is not None and mine.is_at(target)
@@ -169,6 +176,7 @@ class ProjectBinding:
         if path is None:
             raise ValueError("an anonymous copy needs a path: save('copy.swproj', anonymous=True)")
         target = checked_path(path)
+        _check_suffix(target)
         if self._file is not None and self._file.is_at(target):
             raise ValueError(
                 f"{target.name!r} is the file that this session works on; "
@@ -207,6 +215,14 @@ class ProjectBinding:
         tell = self._on_takeover()
         if tell is not None:
             tell()
+
+
+def _check_suffix(path: Path) -> None:
+    if path.suffix.lower() in OF_OTHERS and not path.exists():  # else it is known what is there
+        raise ValueError(
+            f"{path.name!r} is no name for a project, which save writes: save('{path.stem}.swproj'); labels "
+            f"in formats of other tools are written by sw.export(session.segmentation, mesh, {path.name!r})"
+        )
 
 
 def mesh_of_project(project: Project, path: Path, mesh: Mesh | Any | None = None) -> tuple[Mesh, str]:

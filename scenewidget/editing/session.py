@@ -46,7 +46,7 @@ from scenewidget.editing.store import FileChangedError
 from scenewidget.editing.suggestions import Advisor, Dismissal, Suggestion
 from scenewidget.editing.vocabulary import NYU40, chosen_vocabulary, in_vocabulary
 from scenewidget.engine.atoms import Atoms
-from scenewidget.engine.checks import checked_whole
+from scenewidget.engine.checks import KnownNames, checked_whole
 from scenewidget.engine.mesh import BoolArray, IntArray, Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.readers import load
@@ -59,7 +59,7 @@ if TYPE_CHECKING:
 __all__ = ["Event", "Session", "Snapshot", "Step", "apply_edits"]
 
 
-class Session:
+class Session(KnownNames):
     """A segmentation that a person corrects.
 
     Every method may be called from any thread. An edit that can't be done (both faces in one segment
@@ -99,6 +99,8 @@ class Session:
     >>> session
     Session(8 faces, 1 segments, 1 edits)
     """
+
+    _set_once = ("mesh",)
 
     def __init__(
         self,
@@ -710,7 +712,8 @@ class Session:
         Raises
         ------
         ValueError
-            No path, and no file yet; or an anonymous copy over the session's own file.
+            No path, and no file yet; the suffix of a scan or of labels, which `export` writes; or an
+            anonymous copy over the session's own file.
         FileExistsError
             Not to ``overwrite``, and there is such a file; or one that is no project.
         OSError

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-__all__ = ["checked_count", "checked_whole", "did_you_mean", "warn_caller"]
+__all__ = ["KnownNames", "checked_count", "checked_whole", "did_you_mean", "warn_caller"]
 
 _PACKAGE = str(Path(__file__).parent.parent)
 
@@ -98,6 +98,40 @@ def did_you_mean(name: str, names: Iterable[str], *, alike: float = 0.6) -> str:
 
     close = difflib.get_close_matches(name, list(names), n=1, cutoff=alike)
     return f"did you mean {close[0]!r}?" if close else ""
+
+
+class KnownNames:
+    """Lets nothing be set that its class doesn't know, for that would change nothing and say nothing.
+
+    Names of one's own begin with an underscore, or belong to a class of one's own.
+
+    Examples
+    --------
+    >>> class Lamp(KnownNames):
+    ...     is_on = False
+    >>> Lamp.__module__ = "scenewidget.lamp"
+    >>> lamp = Lamp()
+    >>> lamp.is_on, lamp._bought = True, 2024
+    >>> lamp.is_off = True
+    Traceback (most recent call last):
+    AttributeError: a Lamp has no 'is_off' to set; names of your own begin with an underscore
+    """
+
+    _set_once: tuple[str, ...] = ()  # attributes that its __init__ sets
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """As of any object; an unknown name is refused with what to write instead."""
+        kind = type(self)
+        is_known = name.startswith("_") or hasattr(kind, name) or name in self._set_once
+        if not is_known and kind.__module__.split(".")[0] == "scenewidget":
+            hint = self._place_to_set(name) or "names of your own begin with an underscore"
+            raise AttributeError(f"a {kind.__name__} has no {name!r} to set; {hint}")
+        super().__setattr__(name, value)
+
+    def _place_to_set(self, name: str) -> str:
+        """What to write instead; "" if nobody can tell."""
+        known = [known for known in dir(type(self)) if not known.startswith("_")]
+        return did_you_mean(name, known, alike=0.75)
 
 
 def warn_caller(message: str) -> None:

@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
+from scenewidget.engine.checks import KnownNames
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
 from scenewidget.engine.monitor import Cancelled
 from scenewidget.engine.params import Params
@@ -43,7 +44,6 @@ __all__ = ["Compare"]
 
 Side = Params | Segmentation
 SHARED = ("color_by", "color_mix", "outlines", "back_faces", "section", "up")  # state of all views
-OWN = ("pipeline", "views")  # that are set once
 LETTERS = "ABCDEFGH"
 MOST = len(LETTERS)  # a browser keeps about sixteen pictures
 TABLE_STYLE = "border-collapse:collapse;font-variant-numeric:tabular-nums"
@@ -51,7 +51,7 @@ LISTED = 10  # segments on which the two agree least
 CELL_STYLE = "padding:1px 14px 1px 0;text-align:right"
 
 
-class Compare(FaultTolerant, widgets.VBox):
+class Compare(KnownNames, FaultTolerant, widgets.VBox):
     """Views of one scan that turn together; set ``a``, ``b`` or ``others`` to compare something else.
 
     Segments that overlap most have the same colour on all sides. "Errors" among the colours marks the faces
@@ -126,6 +126,8 @@ class Compare(FaultTolerant, widgets.VBox):
     busy = traitlets.Bool(False, read_only=True)
     """Whether something is being computed."""
 
+    _set_once = ("pipeline", "views")
+
     def __init__(
         self,
         mesh: Mesh | Any,
@@ -177,13 +179,8 @@ class Compare(FaultTolerant, widgets.VBox):
         belongs_to_its_cell(self)
         self._compute()
 
-    def __setattr__(self, name: str, value: Any) -> None:
-        """As of any object; a name that belongs elsewhere is refused with the place where it belongs."""
-        if not name.startswith("_") and not hasattr(type(self), name) and name not in OWN:
-            hint = place_to_set(type(self), name, "views[0]")
-            if hint:
-                raise AttributeError(f"a Compare has no {name!r} to set; {hint}")
-        super().__setattr__(name, value)
+    def _place_to_set(self, name: str) -> str:
+        return place_to_set(type(self), name, "views[0]")
 
     def __repr__(self) -> str:
         *most, last = [str(segmentation.n_segments) for segmentation in self.segmentations] or [""]

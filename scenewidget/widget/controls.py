@@ -13,6 +13,7 @@ from typing import Any
 import anywidget
 import traitlets
 
+from scenewidget.engine.checks import KnownNames
 from scenewidget.engine.params import Params
 from scenewidget.widget.bundle import bundled
 from scenewidget.widget.settings import (
@@ -27,7 +28,7 @@ from scenewidget.widget.settings import (
 __all__ = ["ParamsControls"]
 
 
-class ParamsControls(anywidget.AnyWidget):
+class ParamsControls(KnownNames, anywidget.AnyWidget):
     """Sliders and inputs for `Params`; ``observe`` its ``params``, or set them.
 
     Parameters
@@ -95,6 +96,10 @@ class ParamsControls(anywidget.AnyWidget):
 
     _channel = traitlets.Unicode().tag(sync=True)
     """On which it speaks to the picture."""
+
+    def _place_to_set(self, name: str) -> str:
+        is_option = name in Params.__dataclass_fields__
+        return f"write w.params = w.params.replace({name}=…)" if is_option else super()._place_to_set(name)
 
     def __init__(self, params: Params | None = None, **options: Any) -> None:
         self._on_move: Callable[[str, Params], None] | None = None

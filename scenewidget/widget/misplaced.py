@@ -9,9 +9,20 @@ from scenewidget.editing.session import Session
 from scenewidget.engine.checks import did_you_mean
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation
-from scenewidget.widget.scene_view import LIKE, SceneView
+from scenewidget.widget.scene_state import LIKE, option_names
+from scenewidget.widget.scene_view import SceneView
 
 __all__ = ["place_to_get", "place_to_set", "refuse_options"]
+
+WAYS = {  # to do what people ask a `SceneWidget` for that needs no name of its own, or has another
+    ("export", "to_ply"): "write sw.export(w.segmentation, w.mesh, path)",
+    ("run", "compute", "start", "segment", "update", "refresh", "recompute"): "it computes by itself: set "
+    "w.params, and in a script w.wait()",
+    ("show", "display", "render"): "w as the last line of a cell shows it, or display(w)",
+    ("on_click", "on_change", "on_edit", "on_trait_change"): "write w.observe(handler, 'segmentation')",
+    ("screenshot", "save_png", "save_image", "savefig"): "the picture's button with the camera saves a PNG, "
+    "w.view.to_html(path) a page",
+}
 
 
 def place_to_set(kind: type, name: str, view: str = "view") -> str:
@@ -35,8 +46,10 @@ def place_to_set(kind: type, name: str, view: str = "view") -> str:
         return "write w.layout.width = '600px'"
     if name in Params.__dataclass_fields__ and hasattr(kind, "params"):
         return f"write w.params = w.params.replace({name}=…)"
-    if name in SceneView.class_traits():
+    if name in option_names():
         return f"write w.{view}.{name} = …"
+    if hasattr(kind, "session") and (name in dir(Segmentation) or name in Segmentation.__dataclass_fields__):
+        return "it follows from the segmentation, which w.session edits and w.params computes anew"
     if name in inspect.signature(kind).parameters:
         return f"give it when the widget is made: {kind.__name__}(…, {name}=…)"
     own = [*getattr(kind, "class_own_traits", dict)(), "view", "height", "observe"]
@@ -51,8 +64,9 @@ def place_to_get(name: str) -> str:
     >>> place_to_get("labels")
     '; it is w.segmentation.labels'
     """
-    if name == "export":
-        return "; write sw.export(w.segmentation, w.mesh, path)"
+    for names, way in WAYS.items():
+        if name in names:
+            return f"; {way}"
     for place, kind in (("segmentation", Segmentation), ("session", Session), ("view", SceneView)):
         if name in dir(kind) or name in getattr(kind, "__dataclass_fields__", ()):
             return f"; it is w.{place}.{name}"

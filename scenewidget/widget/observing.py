@@ -14,6 +14,8 @@ from typing import Any
 
 import traitlets
 
+from scenewidget.engine.checks import did_you_mean
+
 __all__ = ["FaultTolerant", "Guarded"]
 
 
@@ -73,8 +75,20 @@ class FaultTolerant(traitlets.HasTraits):
         ------
         TypeError
             The handler can't be called.
+        ValueError
+            There is no such trait, so that the handler would never be called.
         """
         if not callable(handler):
             raise TypeError(f"handler must be callable as handler(change), got {handler!r:.200}")
+        _check_names(self, names)
         is_own = isinstance(handler, traitlets.EventHandler) or getattr(handler, "__self__", None) is self
         super().observe(handler if is_own else Guarded(handler), names, type)
+
+
+def _check_names(owner: traitlets.HasTraits, names: Any) -> None:
+    known = owner.trait_names()
+    for name in (names,) if isinstance(names, str) else () if names is traitlets.All else names:
+        if isinstance(name, str) and name not in known:
+            public = [known_name for known_name in sorted(known) if not known_name.startswith("_")]
+            hint = did_you_mean(name, public) or f"there are: {', '.join(public)}"
+            raise ValueError(f"a {type(owner).__name__} has no {name!r} to observe; {hint}")

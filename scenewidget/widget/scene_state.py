@@ -11,17 +11,56 @@ from typing import Any
 import anywidget
 import traitlets
 
+from scenewidget.engine.checks import KnownNames, did_you_mean
 from scenewidget.widget.observing import FaultTolerant
 from scenewidget.widget.upright import checked_up
 
-__all__ = ["LEAST_HEIGHT", "SceneState", "option_names", "own_names"]
+__all__ = ["LEAST_HEIGHT", "LIKE", "SceneState", "option_names", "own_names"]
 
 SAVE_STATES = ("", "unsaved", "saving", "saved", "failed", "read-only")
 WHOLE = [(0.0, 1.0)] * 3
 LEAST_HEIGHT = 120
+LIKE = 0.75  # of two names, that one is probably the other
+INSTEAD = {  # of state that other viewers have
+    ("background", "background_color", "bg_color"): "the theme chooses it: write theme = 'light' or 'dark'",
+    ("camera", "camera_position", "view", "eye", "target"): "call fit(), look_from_above(), "
+    "look_from_inside() or reset()",
+    ("width",): "write layout.width = '600px'",
+    ("colors", "labels", "segments"): "call set_segments(labels)",
+    ("values", "scalars"): "call set_values(values)",
+    ("wireframe", "opacity", "alpha", "lights"): "the picture has none; color_mix and outlines change it",
+}
 
 
-class SceneState(FaultTolerant, anywidget.AnyWidget):
+class FixedList(list[Any]):
+    """A list that is exchanged as a whole: a change inside of it would reach nobody.
+
+    Examples
+    --------
+    >>> state = SceneState()
+    >>> state.section[2] = (0, 0.8)
+    Traceback (most recent call last):
+    TypeError: a change inside of this list isn't noticed; set the whole: view.section = [...]
+    """
+
+    def _refuse(self, *_: object, **__: object) -> Any:
+        raise TypeError("a change inside of this list isn't noticed; set the whole: view.section = [...]")
+
+    append = extend = insert = pop = remove = clear = sort = reverse = _refuse
+    __setitem__ = __delitem__ = __iadd__ = __imul__ = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (list(self),))
+
+
+class Whole(traitlets.List[Any]):
+    """A trait that holds a list to be exchanged as a whole."""
+
+    klass = FixedList
+    _cast_types = (list, tuple)
+
+
+class SceneState(KnownNames, FaultTolerant, anywidget.AnyWidget):
     """State of a picture, synced with the browser both ways.
 
     Examples
@@ -59,9 +98,9 @@ class SceneState(FaultTolerant, anywidget.AnyWidget):
     back_faces = traitlets.Bool(False).tag(sync=True)
     """Whether faces seen from behind are drawn; off lets one look into a room from outside."""
 
-    section = traitlets.List(
-        traitlets.Tuple(traitlets.Float(), traitlets.Float()), WHOLE, minlen=3, maxlen=3
-    ).tag(sync=True)
+    section = Whole(traitlets.Tuple(traitlets.Float(), traitlets.Float()), WHOLE, minlen=3, maxlen=3).tag(
+        sync=True
+    )
     """What is drawn of the scan: three pairs (low, high), each from 0 to 1.
 
     Parts of its extent along the walls, across them, and upwards. An end at 0 or 1 cuts nothing;
@@ -104,10 +143,10 @@ class SceneState(FaultTolerant, anywidget.AnyWidget):
     Edits then show at once, and whoever sets it must `answer` their messages.
     """
 
-    vocabulary = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    vocabulary = Whole(traitlets.Unicode()).tag(sync=True)
     """Names to choose from when a segment is named."""
 
-    quick_names = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    quick_names = Whole(traitlets.Unicode()).tag(sync=True)
     """Names that the keys 4 to 9 and 0 give at once."""
 
     undo_title = traitlets.Unicode().tag(sync=True)
@@ -251,6 +290,11 @@ class SceneState(FaultTolerant, anywidget.AnyWidget):
     """(n_merges, 2) uint32: which piece is kept and which goes, from fine to coarse."""
     _family_colors = traitlets.Bytes().tag(sync=True)
     """(n_pieces, 3) uint8 sRGB."""
+
+    def _place_to_set(self, name: str) -> str:
+        ways = (way for names, way in INSTEAD.items() if name in names)
+        names = option_names()
+        return next(ways, "") or did_you_mean(name, names, alike=LIKE) or f"there are: {', '.join(names)}"
 
     @traitlets.validate("section")
     def _check_section(self, proposal: Any) -> Any:

@@ -25,7 +25,6 @@ from scenewidget.editing.formats.seal import write_files
 from scenewidget.editing.snapshot import Snapshot
 from scenewidget.engine.atoms import Atoms, common_refinement
 from scenewidget.engine.boxes import oriented_boxes
-from scenewidget.engine.checks import did_you_mean
 from scenewidget.engine.family import Family
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
@@ -48,7 +47,6 @@ from scenewidget.widget.wire import (
 
 __all__ = ["SceneView"]
 
-LIKE = 0.75  # of two names, that one is probably the other
 MAX_CLIENTS = 32  # at most so many pages show a view at the same time
 NOT_SAVED = {"face_item", "preview_segment", "preview_colors", "face_piece", "family_merges", "family_colors"}
 OF_THE_SESSION = (  # state that a saved page has no use for, and that tells of its author's disk and work
@@ -82,6 +80,7 @@ class SceneView(SceneState):
     """
 
     _is_up_told = True
+    _set_once = ("mesh",)
 
     def __init__(self, mesh: Mesh, **options: Any) -> None:
         if not isinstance(mesh, Mesh):
@@ -114,14 +113,6 @@ class SceneView(SceneState):
 
         self.on_msg(self._hear_of_up)
         self.on_msg(self._hear_of_mesh)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        """As of any object; what looks like a trait spelled otherwise is refused with its name."""
-        if not name.startswith("_") and not hasattr(type(self), name) and name != "mesh":
-            hint = did_you_mean(name, option_names(), alike=LIKE)
-            if hint:
-                raise AttributeError(f"a SceneView has no {name!r} to set; {hint}")
-        super().__setattr__(name, value)
 
     def twin(self, **options: Any) -> SceneView:
         """Another view of the same mesh, which takes its arrays from this one where both are on a page.

@@ -21,6 +21,7 @@ import traitlets
 
 from scenewidget.editing.session import Session
 from scenewidget.editing.vocabulary import chosen_vocabulary
+from scenewidget.engine.checks import KnownNames
 from scenewidget.engine.family import Family
 from scenewidget.engine.mesh import IntArray, Mesh
 from scenewidget.engine.params import Params
@@ -43,7 +44,11 @@ from scenewidget.widget.worker import Newest, Worker, checked_timeout
 
 __all__ = ["SceneWidget"]
 
-OWN = ("view", "controls", "pipeline")  # that are set once
+INSTEAD = {
+    "segmentation": "w.session.resegment(segmentation) puts another one in its place",
+    "session": "w.restore(path) goes on with a project file",
+    "mesh": "another scan needs another widget: SceneWidget(mesh)",
+}
 
 
 class _LiveSegmentation(traitlets.Instance):  # type: ignore[type-arg]  # older traitlets have none
@@ -54,7 +59,7 @@ class _LiveSegmentation(traitlets.Instance):  # type: ignore[type-arg]  # older 
         return super().get(obj, cls)
 
 
-class SceneWidget(FaultTolerant, widgets.VBox):
+class SceneWidget(KnownNames, FaultTolerant, widgets.VBox):
     """Segment a scan, look at it and correct it; it displays itself as the last value of a cell.
 
     The scan shows at once, the segments as soon as they are computed. ``params`` and ``segmentation`` are
@@ -131,6 +136,8 @@ class SceneWidget(FaultTolerant, widgets.VBox):
 
     scores: Any = traitlets.Dict(read_only=True)
     """Measures of the present segments against the truth, by name; empty without one."""
+
+    _set_once = ("view", "controls", "pipeline")
 
     def __init__(
         self,
@@ -239,12 +246,18 @@ class SceneWidget(FaultTolerant, widgets.VBox):
         self.view.height = height
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """As of any object; a name that belongs elsewhere is refused with the place where it belongs."""
-        if not name.startswith("_") and not hasattr(type(self), name) and name not in OWN:
-            hint = place_to_set(type(self), name)
-            if hint:
-                raise AttributeError(f"a SceneWidget has no {name!r} to set; {hint}")
+        """As of any object; what can't be set says what to write instead."""
+        if name in INSTEAD:
+            raise traitlets.TraitError(f"{name} of a SceneWidget is read-only; {INSTEAD[name]}")
+        if name == "params" and not isinstance(value, Params):
+            raise traitlets.TraitError(
+                f"a SceneWidget expected a Params, not the {type(value).__name__} {value!r:.100}; "
+                "write w.params = w.params.replace(n_segments=…)"
+            )
         super().__setattr__(name, value)
+
+    def _place_to_set(self, name: str) -> str:
+        return place_to_set(type(self), name)
 
     def __getattr__(self, name: str) -> Any:
         """Say where something is that isn't here."""

@@ -27,6 +27,7 @@ from scenewidget.batch.picture import PICTURE, thumbnail
 from scenewidget.batch.worklist import Entry, State, Stopwatch, Worklist
 from scenewidget.editing.files import FileLock, replacing
 from scenewidget.editing.session import Session
+from scenewidget.engine.checks import KnownNames
 from scenewidget.evaluation import METRICS, evaluate
 from scenewidget.hands import agreement
 from scenewidget.widget.bundle import bundled
@@ -79,7 +80,7 @@ class QueueView(anywidget.AnyWidget):
         super().__init__(_esm=bundled("workbench.js"), _css=bundled("workbench.css"), **options)
 
 
-class Workbench(widgets.VBox):
+class Workbench(KnownNames, widgets.VBox):
     """A queue of segmented scans, and the editor on the one that is open; the last value of a cell.
 
     The queue shows a picture of each scan, its state ("new", "begun", "to review", "done"), how much of it
@@ -140,6 +141,8 @@ class Workbench(widgets.VBox):
 
     current = traitlets.Unicode("", read_only=True)
     """The scan that is open; "" if none is."""
+
+    _set_once = ("queue", "editor")
 
     def __init__(
         self,

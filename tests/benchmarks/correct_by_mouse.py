@@ -1,12 +1,14 @@
 """How many actions of the mouse lead from the automatic result to 1 − RI ≤ 0.03? In a real JupyterLab.
 
-    python tests/benchmarks/correct_by_mouse.py [--scans bedroom real/kitchen_12mm] [--target 0.03]
+    python tests/benchmarks/correct_by_mouse.py [--scans bedroom real/kitchen_12mm] [--target 0.03] [--tools]
 
 An annotator who knows the truth (as `scenewidget.editing.simulate_annotator`, one edit at a time) says what
 to do next; a real mouse in a real browser does it: drag-merge or click, click; right click to split;
 dragging with Shift to look from elsewhere. Segments that can't be seen from any side are clicked in the list;
-finer parts that can't are left out, and the next best edit made. Scans that aren't beside the repository are
-passed over.
+finer parts that can't are left out, and the next best edit made. With ``--tools`` the annotator also draws
+around a thing that is melted into a segment, with the lasso set to one segment and through, from the side
+from which that helps most, where it helps more than any merge or split. Scans that aren't beside the
+repository are passed over.
 """
 
 from __future__ import annotations
@@ -45,8 +47,9 @@ def plan():
     labels, automatic = w.session.segmentation.labels, w.session.automatic
     column = labels if edit.level == "final" else automatic.level(edit.level)
     onto = getattr(edit, "onto_face", None)
-    return json.dumps({"error": judge.error, "kind": type(edit).__name__, "level": edit.level,
-        "part": int(column[face]), "target": None if onto is None else int(labels[onto]),
+    return json.dumps({"error": judge.error, "after": error_after(edit),
+        "kind": type(edit).__name__, "level": edit.level, "part": int(column[face]),
+        "target": None if onto is None else int(labels[onto]),
         "target_parts": [] if onto is None else whole_parts(column, labels == labels[onto])})
 
 def whole_parts(column, is_inside):
@@ -62,15 +65,108 @@ def read(name):
     mesh = sw.Mesh(arrays["vertices"], arrays["faces"], arrays["colors"])
     return mesh, arrays["instances"].astype(np.int64)
 
-mesh, truth = read(%r)
+def table_of(labels):
+    """(n_segments, n_things) faces that both label."""
+    keep = (labels >= 0) & (truth >= 0)
+    n = truth.max() + 1
+    return np.bincount(labels[keep] * n + truth[keep], minlength=(labels.max() + 1) * n).reshape(-1, n)
+
+def error_after(edit):
+    """1 - RI if an edit were made."""
+    labels, automatic = w.session.segmentation.labels, w.session.automatic
+    face = edit.faces[0] if hasattr(edit, "faces") else edit.face
+    column = labels if edit.level == "final" else automatic.level(edit.level)
+    moves = column == column[face]
+    if type(edit).__name__ == "Split" and edit.level == "final":
+        moves &= automatic.labels == automatic.labels[face]
+    onto = getattr(edit, "onto_face", None)
+    target = labels.max() + 1 if onto is None else labels[onto]
+    table = table_of(np.where(moves, target, labels)).astype(float)
+    total = table.sum()
+    squares = (table.sum(1) ** 2).sum() + (table.sum(0) ** 2).sum() - 2 * (table**2).sum()
+    return float(squares / (total * total - total))
+
+def seen_from(camera, width, height):
+    """(n_faces, 2) pixel of each face's middle, as js/src/scene/camera.js has it; NaN behind the eye."""
+    cy, sy, cp, sp = (f(camera[k]) for k in ("yaw", "pitch") for f in (np.cos, np.sin))
+    forward = np.array([-cp * cy, -cp * sy, -sp])
+    away = MIDDLES - (np.array(camera["target"]) - camera["distance"] * forward)
+    depth = np.where(away @ forward > 0, away @ forward, np.nan) * camera.get("tangent", np.tan(np.pi / 10))
+    x = away @ np.array([-sy, cy, 0]) / (depth * width / height)
+    y = away @ np.array([-sp * cy, -sp * sy, cp]) / depth
+    return np.column_stack([(1 + x) / 2 * width, (1 - y) / 2 * height])
+
+def outline_of(places, width, height, cell=6):
+    """Corners of a line around most of some places; None where they are too few."""
+    from contourpy import contour_generator
+    from scipy import ndimage
+    shape = (int(height) // cell + 3, int(width) // cell + 3)
+    at = (places[np.isfinite(places).all(1)] / cell).astype(int) + 1
+    at = at[((at > 0) & (at < np.array(shape[::-1]) - 1)).all(1)]
+    counts = np.zeros(shape)
+    np.add.at(counts, (at[:, 1], at[:, 0]), 1)
+    parts, n = ndimage.label(ndimage.binary_closing(counts > 0, iterations=2))
+    if n == 0:
+        return None
+    largest = parts == 1 + np.argmax(ndimage.sum(counts, parts, range(1, n + 1)))
+    lines = contour_generator(z=ndimage.binary_fill_holes(largest).astype(float)).lines(0.4)
+    return (max(lines, key=len)[::2] - 0.5) * cell
+
+def best_lasso(width, height, turns, only=None):
+    """The outline around one thing in one segment that helps most, from here or after some turns."""
+    from matplotlib.path import Path as Outline
+    labels = w.session.segmentation.labels
+    table = table_of(labels).astype(float)
+    rows, things = table.sum(1), table.sum(0)
+    total = table.sum()
+    ideal = 2 * table * (table - rows[:, None])  # change of the squares, if exactly that were taken out
+    found = None
+    for index in (np.argsort(ideal, axis=None)[:6] if only is None else [only]):
+        segment, thing = np.unravel_index(index, ideal.shape)
+        if ideal[segment, thing] >= 0:
+            continue
+        is_inside = labels == segment
+        for turn in turns:
+            camera = dict(w.view._camera)
+            camera["yaw"] -= turn * %(turn)r
+            places = seen_from(camera, width, height)
+            line = outline_of(places[is_inside & (truth == thing)], width, height)
+            if line is None or len(line) < 4:
+                continue
+            above, below, edge = %(margins)r
+            if not ((line > (edge, above)) & (line < (width - edge, height - below))).all():
+                continue
+            within = np.flatnonzero(np.isfinite(places).all(1))
+            within = within[Outline(line).contains_points(places[within])]
+            if len(within) == 0 or np.bincount(labels[within][labels[within] >= 0]).argmax() != segment:
+                continue  # the lasso takes the segment that has most in it
+            taken = within[(labels[within] == segment) & (truth[within] >= 0)]
+            share = np.bincount(truth[taken], minlength=table.shape[1]).astype(float)
+            m = share.sum()
+            change = 2 * m * (m - rows[segment]) - 4 * (share * (share - table[segment])).sum()
+            squares = (rows**2).sum() + (things**2).sum() - 2 * (table**2).sum()
+            error = float((squares + change) / (total * total - total))
+            if found is None or error < found["error"]:
+                found = {"error": error, "turn": turn, "cell": int(index), "line": line.round(1).tolist()}
+    return json.dumps(found)
+
+mesh, truth = read(%(path)r)
 w = sw.SceneWidget(mesh, height=620)
 w.wait(600)
+from scenewidget.widget.wire import middle_of
+up = np.array(w.view._up)
+k = int(np.argmax(np.abs(up)))
+first = np.eye(3)[(k + 1) %% 3] - up[(k + 1) %% 3] * up
+first /= np.linalg.norm(first)
+MIDDLES = (mesh.face_centroids - middle_of(mesh)) @ np.array([first, np.cross(up, first), up]).T
 w
 '''
 KEYS = {"dihedral": "1", "base": "2", "final": "3"}
 N_SIDES = 6
 ORBIT = 140  # pixels of a drag, a sixth of a turn
+TURN = 0.0075 * ORBIT  # radians that it turns by
 MARGINS = (70, 90, 30)  # of the toolbar above, the status line below, the edges
+WORTH = 1.2  # times the gain of a merge, from which on the annotator takes up the lasso
 
 
 class Hand:
@@ -161,6 +257,23 @@ class Hand:
         self.page.mouse.up()
         return True
 
+    def draw(self, line: list[list[float]]) -> None:
+        """Around something, with the lasso that takes of one segment alone all that lies within."""
+        self.press("q")
+        self.view.wait("tool", "lasso")
+        for option in ("Through", "One segment"):
+            button = self.view.root.get_by_role("button", name=option, exact=True)
+            if button.get_attribute("aria-pressed") != "true":
+                button.click()
+        self.view.point(*line[0])
+        self.page.mouse.down()
+        for place in [*line[1:], line[0]]:
+            self.view.point(*place)
+        self.page.mouse.up()
+        self.view.wait("pending", "0")
+        self.press("q")
+        self.view.wait("tool", "merge")
+
     def do_in_list(self, step: dict) -> bool:
         """Merge two segments by clicking on their rows in the list."""
         self.press(KEYS["final"])
@@ -183,18 +296,41 @@ def path_of(name: str) -> Path:
     return archive if archive.exists() else DATA / f"{name}.ply"
 
 
-def correct(book: conftest.Notebook, name: str, target: float, most: int) -> None:
+def lasso(book: conftest.Notebook, hand: Hand, step: dict) -> bool:
+    """Draw around a thing where that helps clearly more than the next merge or split; whether it was done."""
+    size, now = hand.view.size(), step["error"]
+    if book.evaluate("'yaw' in w.view._camera") != "True":  # it is told once it has moved
+        hand.look_from((hand.side + 1) % N_SIDES)
+    ask = f"best_lasso({size[0]}, {size[1]}, {{}})"
+    found = json.loads(eval(book.evaluate(ask.format(list(range(N_SIDES))))))
+    if found is None or now - found["error"] < WORTH * (now - step.get("after", now)):
+        return False
+    hand.look_from((hand.side + found["turn"]) % N_SIDES)
+    again = json.loads(eval(book.evaluate(ask.format(f"[0], {found['cell']}"))))  # from where it really is
+    if again is None:
+        return False
+    hand.draw(again["line"])
+    return True
+
+
+def correct(book: conftest.Notebook, name: str, target: float, most: int, *, has_tools: bool) -> None:
     """Open a scan and work until the target is reached."""
-    book.open([KERNEL % str(path_of(name))])
+    book.open([KERNEL % {"path": str(path_of(name)), "turn": TURN, "margins": MARGINS}])
     book.run_all()
     hand = Hand(book)
     print(f"{name}: {book.evaluate('w')}", flush=True)
-    unseen, start = 0, time.perf_counter()
+    unseen, n_drawn, start = 0, 0, time.perf_counter()
     for _ in range(most):
         step = json.loads(eval(book.evaluate("plan()")))
         n = int(book.evaluate("len(w.session.edits)"))
         print(f"  after {n} edits 1-RI = {step['error']:.4f}", flush=True)
-        if step["error"] <= target or "kind" not in step:
+        if step["error"] <= target:
+            break
+        if has_tools and lasso(book, hand, step):
+            n_drawn += 1
+            print("  an outline drawn with the lasso", flush=True)
+            continue
+        if "kind" not in step:
             break
         if not hand.do(step):
             unseen += 1
@@ -210,9 +346,9 @@ def correct(book: conftest.Notebook, name: str, target: float, most: int) -> Non
         print(f"  {step['kind']} at level {step['level']!r} by the mouse", flush=True)
     n, file = int(book.evaluate("len(w.session.edits)")), book.evaluate("w.view.save_state")
     print(
-        f"{name}: {n} edits by the mouse ({hand.n_rows} in the list of segments), {hand.n_looks} turns of "
-        f"the scan, {unseen} edits unseen, {time.perf_counter() - start:.0f} s; 1-RI = {step['error']:.4f}; "
-        f"project {file}",
+        f"{name}: {n} edits by the mouse ({n_drawn} drawn, {hand.n_rows} in the list), {hand.n_looks} turns "
+        f"of the scan, {unseen} edits unseen, {time.perf_counter() - start:.0f} s; "
+        f"1-RI = {step['error']:.4f}; project {file}",
         flush=True,
     )
 
@@ -223,6 +359,7 @@ def main() -> None:
     parser.add_argument("--scans", nargs="+", default=["bedroom", "bedroom_noisy"])
     parser.add_argument("--target", type=float, default=0.03)
     parser.add_argument("--most", type=int, default=60, help="edits, at most")
+    parser.add_argument("--tools", action="store_true", help="also draw with the lasso")
     parser.add_argument("--picture", help="file to which a screenshot goes at the end")
     arguments = parser.parse_args()
     scans = [name for name in arguments.scans if path_of(name).exists()]
@@ -243,7 +380,7 @@ def main() -> None:
             page.set_default_timeout(300_000)  # large scans take their time
             book = conftest.Notebook(page, server)
             try:
-                correct(book, name, arguments.target, arguments.most)
+                correct(book, name, arguments.target, arguments.most, has_tools=arguments.tools)
                 if arguments.picture:
                     book.view().root.screenshot(path=arguments.picture)
             finally:

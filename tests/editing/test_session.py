@@ -156,6 +156,7 @@ def test_a_brush_moves_several_parts_in_one_edit():
             "vocabulary holds.*must be a text, got int",
         ),
         (lambda s: s.save(), ValueError, "has no file yet"),
+        (lambda s: s.save("room.PLY"), ValueError, r"'room.PLY' is no name for .*save\('room.swproj'\)"),
         (lambda s: s.save(3), TypeError, "path must be a str or a Path, got int"),
         (lambda s: s.save("."), IsADirectoryError, "it is a folder; name a file in it$"),
         (lambda s: Session.open(3), TypeError, "path must be a str or a Path, got int"),

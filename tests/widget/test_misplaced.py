@@ -1,6 +1,7 @@
 """What is given to the wrong object is refused with the place where it belongs."""
 
 import pytest
+import traitlets
 
 import scenewidget as sw
 from scenewidget.datasets import analytic
@@ -14,6 +15,7 @@ def made():
     """One of each, by the letter that messages use."""
     w = sw.SceneWidget(MESH, sw.Params(n_runs=2, n_graph_runs=2), autosave=False)
     found = {"w": w, "v": w.view, "c": sw.Compare(MESH, GIVEN, GIVEN)}
+    found |= {"o": w.controls, "s": sw.Session(MESH, GIVEN)}
     yield found
     w.close()
     found["c"].close()
@@ -32,6 +34,12 @@ def made():
         ("c", "other", "did you mean 'others'"),
         ("v", "colour_by", "did you mean 'color_by'"),
         ("v", "backfaces", "did you mean 'back_faces'"),
+        ("v", "background", "the theme chooses it"),
+        ("v", "camera", r"call fit\(\), look_from_above"),
+        ("v", "zoom", "there are: back_faces, boxes"),
+        ("w", "labels", "it follows from the segmentation, which w.session edits"),
+        ("o", "n_segments", r"write w.params = w.params.replace\(n_segments=…\)"),
+        ("s", "colour", "names of your own begin with an underscore"),
     ],
 )
 def test_names_that_belong_elsewhere_are_not_set(made, which, name, hint):
@@ -39,15 +47,53 @@ def test_names_that_belong_elsewhere_are_not_set(made, which, name, hint):
         setattr(made[which], name, 1)
 
 
-def test_names_of_ones_own_can_be_set(made):
+def test_names_of_ones_own_are_told_apart_from_mistakes(made):
+    class Mine(sw.SceneView):
+        pass
+
     for widget in made.values():
-        widget.my_notes = "the lamp"
-        assert widget.my_notes == "the lamp"
+        widget._my_notes = "the lamp"
+        assert widget._my_notes == "the lamp"
+    with pytest.raises(AttributeError, match="no 'sides' to set; names of your own begin with an underscore"):
+        made["c"].sides = 3
+    mine = Mine(MESH)
+    mine.my_notes = "the lamp"
+    mine.close()
 
 
-def test_the_way_to_an_export_is_told(made):
-    with pytest.raises(AttributeError, match=r"write sw.export\(w.segmentation, w.mesh, path\)"):
-        made["w"].export("room.ply")
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("segmentation", r"read-only; w.session.resegment\(segmentation\) puts another one"),
+        ("session", r"read-only; w.restore\(path\)"),
+        ("params", r"expected a Params, not the int 3; write w.params = w.params.replace"),
+    ],
+)
+def test_what_can_not_be_set_says_what_to_do(made, name, message):
+    with pytest.raises(traitlets.TraitError, match=message):
+        setattr(made["w"], name, 3)
+
+
+def test_a_handler_that_would_never_be_called_is_refused(made):
+    with pytest.raises(ValueError, match="SceneWidget has no 'segmentations' to observe; did you mean 'seg"):
+        made["w"].observe(print, "segmentations")
+    with pytest.raises(ValueError, match="SceneView has no 'zoom' to observe; there are: back_faces, boxes"):
+        made["v"].observe(print, ["level", "zoom"])
+
+
+@pytest.mark.parametrize(
+    ("name", "way"),
+    [
+        ("export", r"write sw.export\(w.segmentation, w.mesh, path\)"),
+        ("run", "it computes by itself: set w.params"),
+        ("show", "w as the last line of a cell"),
+        ("on_click", r"w.observe\(handler, 'segmentation'\)"),
+        ("screenshot", r"w.view.to_html\(path\)"),
+    ],
+)
+def test_the_way_is_told_to_what_is_done_otherwise(made, name, way):
+    with pytest.raises(AttributeError, match=way):
+        getattr(made["w"], name)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,8 @@
 """State of a picture: what may be set to what."""
 
+import copy
+import pickle
+
 import pytest
 
 from scenewidget.widget.scene_state import SceneState, option_names, own_names
@@ -30,3 +33,13 @@ def test_what_the_front_end_alone_reads_is_no_option():
     assert {"color_by", "height", "up"} <= set(option_names()) < set(own_names())
     assert not any(name.startswith("_") for name in own_names())
     assert "revision" not in option_names()  # told by Python alone
+
+
+@pytest.mark.parametrize("name", ["section", "vocabulary", "quick_names"])
+def test_a_change_inside_of_a_list_is_refused(state, name):
+    setattr(state, name, [(0, 1)] * 3 if name == "section" else ["chair"])
+    held = getattr(state, name)
+    for change in (lambda: held.append("lamp"), lambda: held.__setitem__(0, (0, 0.5)), held.clear):
+        with pytest.raises(TypeError, match="isn't noticed; set the whole"):
+            change()
+    assert held == getattr(state, name) == copy.deepcopy(held) == pickle.loads(pickle.dumps(held))
