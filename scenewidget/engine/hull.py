@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from scenewidget.engine.atoms import renumbered
-from scenewidget.engine.items import Items
+from scenewidget.engine.items import SCENE, Items
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, connected_components
 from scenewidget.engine.moments import Moments, mean_normals
 
@@ -23,6 +24,8 @@ PARALLEL = 0.9  # Two normals agree whose dot product is at least this.
 UPRIGHT = 0.2  # The dot product of the normals of a wall and of the floor is at most this.
 ACROSS = 0.5  # The dot product of the normals of pieces of the hull that stand on each other is below this.
 LEAN = 0.02  # The plane of a piece of a floor leans by so much, 2 cm a metre, without the floor doing so.
+THICK = (0.04, 0.45)  # Least and most thickness of a wall between two rooms, units of the scene.
+BEYOND = 0.9  # Share of a segment that lies beyond a wall if the segment does.
 ROUGHNESS = 0.08  # A piece of a wall lies within so many units of the scene (root mean square) of its plane.
 
 
@@ -169,8 +172,9 @@ def join_planes(
     small; then those beside what it has so far that go on at the same height, for scans bend walls; of what
     is farther off also those near the plane of both together, for the plane of a small seed leans. What has
     grown has another plane and another roughness: so pieces of the hull are compared again, until none joins.
-    Where the hull is no room (see `Planes.is_room`) only what touches is joined: of a table seen from one
-    side, nothing tells that what lies at its height beyond a gap is the same table.
+    Nothing is joined through a wall that shows on both sides, unless it touches: a floor that runs through a
+    door is one. Where the hull is no room (see `Planes.is_room`) only what touches is joined: of a table seen
+    from one side, nothing tells that what lies at its height beyond a gap is the same table.
 
     Parameters
     ----------
@@ -208,26 +212,29 @@ def join_planes(
     [0, 0, 1]
     """
     s = items.scale
+    planes_of = partial(segment_planes, items, min_area=min_seed_area)
+    planes = planes_of(labels)
     join = partial(
         _joined,
         items,
-        min_seed_area=min_seed_area,
+        walls=_walls(items, labels, planes, min_seed_area * s**2),
         reach=(reach[0] * s, reach[1] * s),
         shell=shell * s,
         near=near * s,
         bend=bend * s,
     )
-    joined = join(labels, is_hull_only=False)
+    joined = join(labels, planes, is_hull_only=False)
     while joined.max(initial=-1) < labels.max(initial=-1):
-        labels, joined = joined, join(joined, is_hull_only=True)
+        labels, joined = joined, join(joined, planes_of(joined), is_hull_only=True)
     return joined
 
 
 def _joined(
     items: Items,
     labels: IntArray,
+    planes: Planes,
     *,
-    min_seed_area: float,
+    walls: list[_Wall],
     reach: tuple[float, float],
     shell: float,
     near: float,
@@ -235,10 +242,10 @@ def _joined(
     is_hull_only: bool,
 ) -> IntArray:
     """One round of `join_planes`, lengths in metres; dense labels, fewer where segments were joined."""
-    planes = segment_planes(items, labels, min_area=min_seed_area)
     moments = items.moments.gather(labels, len(planes.areas))
     group = np.arange(len(planes.areas))
     is_free = np.ones(len(group), dtype=np.bool_)
+    fronts = [_front(items, labels, wall) for wall in walls]
     may_join = planes.is_hull if is_hull_only else is_free.copy()
     for s in np.argsort(-planes.areas, kind="stable"):
         if not (is_free[s] and planes.is_hull[s]):
@@ -249,18 +256,109 @@ def _joined(
         facing = planes.mean_normals @ normal
         step = float(np.clip(1.5 * planes.roughness[s], *reach))
         fits = is_free & may_join & (facing > PARALLEL)
+        beyond = [_beyond(front, int(s)) for front in fronts]
+        fits &= ~_through_walls(items, labels, walls, beyond, int(s), fits, near)
         joins = fits & (distance < step)
         joins[s] = True
         beside = fits & (distance < bend) & (planes.roughness < ROUGHNESS * items.scale)
         _follow(items, labels, joins, beside & ~joins, normal, step=step, near=near)
         leaning = fits & ~joins & (_off_common_plane(moments, int(s), normal) < step)
         joins |= leaning & (_gaps(items, labels, joins, leaning) > near)
-        joins |= is_free & (facing < -PARALLEL) & (offset < 0) & (offset > -shell)
+        is_shell = is_free & (facing < -PARALLEL) & (offset < 0) & (offset > -shell)
+        joins |= is_shell & ~np.any(beyond, axis=0) if walls else is_shell
         if not planes.is_room:
             joins = _touching(items, labels, joins, int(s))
         group[joins] = s
         is_free &= ~joins
     return renumbered(group, labels)
+
+
+class _Wall(NamedTuple):
+    """A wall that shows on both sides: two large planes back to back."""
+
+    middle: FloatArray  # (3,) amid the two
+    normal: FloatArray  # (3,) towards one of the sides, in front
+    body: IntArray  # the items of both
+
+
+def _walls(items: Items, labels: IntArray, planes: Planes, min_area: float) -> list[_Wall]:
+    """Walls between rooms: on either side is a part of the scene that may be one; else it is a shell."""
+    s = items.scale
+    is_flat = (planes.areas >= min_area) & (planes.roughness <= ROUGHNESS * s)
+    is_flat &= np.einsum("ij,ij->i", planes.normals, planes.mean_normals) >= PARALLEL
+    flat = np.flatnonzero(is_flat)
+    normals, centroids = planes.normals[flat], planes.centroids[flat]
+    depth = (
+        np.einsum("ik,ik->i", normals, centroids)[:, None] - normals @ centroids.T
+    )  # of one behind another
+    thickness = 0.5 * (depth + depth.T)
+    is_wall = (normals @ normals.T < -PARALLEL) & (np.minimum(depth, depth.T) > 0)
+    is_wall &= (thickness > THICK[0] * s) & (thickness < THICK[1] * s)
+    out = []
+    for i, j in zip(*np.nonzero(np.triu(is_wall, 1))):
+        normal = normals[i] - normals[j]
+        normal = normal / np.linalg.norm(normal)
+        body = np.flatnonzero((labels == flat[i]) | (labels == flat[j]))
+        wall = _Wall(0.5 * (centroids[i] + centroids[j]), normal, body)
+        share = float(items.areas[_is_front(items, wall)].sum() / items.areas.sum())
+        if min(share, 1.0 - share) >= SCENE:
+            out.append(wall)
+    return out
+
+
+def _is_front(items: Items, wall: _Wall) -> BoolArray:
+    """(n_items,) which lie in front of a wall."""
+    return np.asarray((items.moments.centroid - wall.middle) @ wall.normal > 0)
+
+
+def _front(items: Items, labels: IntArray, wall: _Wall) -> FloatArray:
+    """(n_segments,) share of the area of each segment that lies in front of a wall."""
+    keep = labels >= 0
+    is_front = _is_front(items, wall)
+    area, of_front = (np.bincount(labels[keep], (items.areas * w)[keep]) for w in (1.0, is_front))
+    return np.asarray(of_front / np.maximum(area, 1e-300))
+
+
+def _beyond(front: FloatArray, seed: int) -> BoolArray:
+    """(n_segments,) which lie beyond a wall, seen from the seed; none if the seed lies on both its sides."""
+    if BEYOND > front[seed] > 1 - BEYOND:
+        return np.zeros(len(front), dtype=np.bool_)
+    return front <= 1 - BEYOND if front[seed] >= BEYOND else front >= BEYOND
+
+
+def _through_walls(
+    items: Items,
+    labels: IntArray,
+    walls: list[_Wall],
+    beyond: list[BoolArray],
+    seed: int,
+    segments: BoolArray,
+    near: float,
+) -> BoolArray:
+    """(n_segments,) of some segments those to which the shortest way from the seed leads through a wall."""
+    out = np.zeros(len(segments), dtype=np.bool_)
+    if not any((segments & is_beyond).any() for is_beyond in beyond):
+        return out
+    ends = items.touching(labels).labels
+    touches = np.zeros(len(segments), dtype=np.bool_)
+    touches[ends[(ends == seed).any(axis=1)]] = True
+    position, radius = items.moments.centroid, np.sqrt(items.areas / np.pi)
+    own = np.flatnonzero(labels == seed)
+    tree = cKDTree(position[own])
+    for wall, is_beyond in zip(walls, beyond):
+        other = np.flatnonzero((labels >= 0) & (is_beyond & segments & ~touches)[labels])
+        if len(other) == 0:
+            continue
+        apart, nearest = tree.query(position[other])
+        least = np.full(len(segments), np.inf)
+        np.minimum.at(least, labels[other], apart)
+        is_way = apart <= least[labels[other]]
+        start, end = position[own[nearest[is_way]]], position[other[is_way]]
+        before, behind = ((place - wall.middle) @ wall.normal for place in (start, end))
+        share = np.divide(before, before - behind, out=np.zeros(len(start)), where=before != behind)
+        distance, at = cKDTree(position[wall.body]).query(start + share.clip(0, 1)[:, None] * (end - start))
+        out[labels[other[is_way]][distance - radius[wall.body[at]] <= near]] = True
+    return out
 
 
 def _off_common_plane(moments: Moments, seed: int, normal: FloatArray) -> FloatArray:

@@ -3,8 +3,9 @@
 import dataclasses
 
 import numpy as np
+import pytest
 import shapes
-from patches import scene, sheet
+from patches import faces_as_items, scene, sheet
 
 from scenewidget.engine.hull import join_planes, segment_planes
 from scenewidget.engine.mesh import Mesh
@@ -35,6 +36,31 @@ def test_a_far_piece_of_a_floor_whose_near_one_leans_is_joined():
     leaning = Mesh(floor.vertices + np.outer(floor.vertices[:, 0] - 0.75, (0, 0, 0.02)), floor.faces)
     items, part = scene(leaning, sheet((4, 0, 0), (1, 1)), wall())
     assert join_planes(items, part).tolist() == np.array([0, 0, 1])[part].tolist()
+
+
+@pytest.mark.parametrize("thickness", [0.1, 0.3])
+def test_nothing_is_joined_through_a_wall(thickness):
+    """Two rooms of 4 × 3 × 2.4 m wall to wall: floors, ceilings and walls lie in one plane, but apart."""
+    box = shapes.box(12, size=(4.0, 3.0, 2.4))
+    inside = Mesh(box.vertices, box.faces[:, ::-1])
+    mesh = shapes.joined(inside, inside, gap=4.0 + thickness)
+    axis = np.abs(mesh.face_normals).argmax(axis=1)
+    side = 2 * axis + (mesh.face_normals.sum(axis=1) > 0) + 6 * np.repeat([0, 1], inside.n_faces)
+    assert len(set(join_planes(faces_as_items(mesh), side.astype(np.int32)).tolist())) == 12
+
+
+def test_a_floor_that_runs_through_a_door_is_one():
+    floor = sheet((0, 0, 0), (8, 3), n=24)
+    ceilings = [
+        Mesh(m.vertices, m.faces[:, ::-1])
+        for m in (sheet((0, 0, 2.4), (3.9, 3)), sheet((4.1, 0, 2.4), (3.9, 3)))
+    ]
+    jamb = wall(4.1, width=1.8, height=2.4)
+    walls = jamb, Mesh(jamb.vertices - [0.2, 0, 0], jamb.faces[:, ::-1])
+    items, part = scene(floor, *ceilings, *walls)
+    halves = np.where(part == 0, (items.centroids[:, 0] > items.centroids[part == 0, 0].mean()) * 5, part)
+    joined = join_planes(items, halves.astype(np.int32))
+    assert [len(set(joined[np.isin(part, parts)].tolist())) for parts in ([0], [1, 2], [3, 4])] == [1, 2, 2]
 
 
 def test_thresholds_follow_the_scale_of_the_scene():
