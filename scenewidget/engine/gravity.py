@@ -26,12 +26,15 @@ APART = float(np.cos(np.radians(30.0)))  # two axes are at least so far apart
 ROUNDS = 3  # of smoothing: normals of raw scans are mostly noise
 FEW = 5_000  # faces of what is too coarse to be one
 ROOM_HEIGHT = (2.2, 3.6)  # metres from floor to ceiling
+FACING = 0.5  # of the extent, that two sides lie apart which face each other
 OPPOSED = 0.25  # least share that the smaller of two opposite sides has of the larger
 LEAST = 0.05  # of the area, that faces along an axis
 ALONE = 0.55  # of the area, from which on a plane is what everything stands on
+ON_IT = 0.01  # of the area, that things on a plane have at least
 CLEARLY = 1.2  # how much better than any other the axis must be
 INSIDE_OUT = 0.1  # evidence from which on normals point away from free space
 ASYMMETRY = 0.08  # from which on the two ends of an axis differ
+CLEAR_RISE = 0.2  # from which on floor and ceiling are told from two walls
 
 
 @dataclass(frozen=True)
@@ -50,12 +53,15 @@ class Axis:
     rise : float
         How much more there is of the surface that faces this way, and at how many more heights it lies, as
         seats, tables and floors do, than of what faces the other way, as ceilings do; at most about 1.
+    apart : float
+        Distance of the mean places along it of what faces one way and the other: of the two faces of a wall,
+        or of one plane whose normals are in disorder, next to nothing.
 
     Examples
     --------
     >>> import numpy as np
-    >>> Axis(np.array([0.0, 0.0, 1.0]), along=0.3, against=0.2, extent=2.5, rise=0.4).extent
-    2.5
+    >>> Axis(np.array([0.0, 0.0, 1.0]), along=0.3, against=0.2, extent=2.5, rise=0.4, apart=2.0).is_opposed
+    True
     """
 
     direction: FloatArray
@@ -63,11 +69,16 @@ class Axis:
     against: float
     extent: float
     rise: float
+    apart: float
 
     @property
     def is_opposed(self) -> bool:
         """Whether two sides face each other, as floor and ceiling or two walls do."""
-        return self.against >= OPPOSED * self.along and self.along >= OPPOSED * self.against
+        return (
+            self.apart >= FACING * self.extent
+            and self.against >= OPPOSED * self.along
+            and self.along >= OPPOSED * self.against
+        )
 
     @property
     def share(self) -> float:
@@ -79,10 +90,11 @@ def up_direction(mesh: Mesh, axes: Sequence[Axis] | None = None) -> FloatArray |
     """(3,) unit vector against gravity, or None where the surface doesn't tell.
 
     Floor and ceiling together are larger than a pair of walls, and rooms are wider than high: the axis is the
-    one with most area facing along it per metre of its extent; where the extents are those of rooms, only the
-    axes on which opposite sides are 2.2 to 3.6 m apart are asked. What is mostly one plane with things on it
-    is a table or a floor. Of the two ends, up is where more area faces, at more heights. None where another
-    axis is nearly as likely, or the two ends are alike.
+    one with most area facing along it per metre of its extent; where opposite sides are as far apart as floor
+    and ceiling, 2.2 to 3.6 m, only such axes are asked, and those without an opposite side if they may be
+    walls. What is mostly one plane with things on it is a table or a floor. Of the two ends, up is where more
+    area faces, at more heights; of a cloud whose normals may point either way, where things stand on the
+    floor. None where another axis is nearly as likely, or the two ends are alike.
 
     Parameters
     ----------
@@ -100,24 +112,67 @@ def up_direction(mesh: Mesh, axes: Sequence[Axis] | None = None) -> FloatArray |
     axes = [axis for axis in axes or large_axes(mesh) if axis.share >= LEAST]
     if not axes:
         return None
-    if axes[0].along >= ALONE:  # one plane: of a table with things on it, or of a bare wall
-        stands_out = axes[0].along < 0.95 and axes[0].extent > 0.02 * float(np.ptp(mesh.bounds, axis=0).max())
-        return axes[0].direction if stands_out else None
-    if right_side_out(*_sample(mesh, 0)) < -INSIDE_OUT:
+    has_sides = getattr(mesh, "has_sides", True)  # those of a cloud without normals are guesses
+    if (axes[0].along if has_sides else axes[0].share) >= ALONE:
+        return _off_the_plane(mesh, axes[0], has_sides=has_sides)
+    evidence = right_side_out(mesh.face_centroids, mesh.face_normals, mesh.face_areas)
+    if evidence < -INSIDE_OUT:
         centers, normals, areas = _sample(mesh)
         axes = [axis for axis in _axes(centers, -normals, areas) if axis.share >= LEAST]
     low, high = ROOM_HEIGHT
     of_rooms = [axis for axis in axes if axis.is_opposed and low <= axis.extent <= high]
-    asked = of_rooms or axes
-    scores = [axis.share / axis.extent for axis in asked]
-    best = asked[int(np.argmax(scores))]
-    others = [(axis, score) for axis, score in zip(asked, scores) if axis is not best]
+    if of_rooms and max(axis.rise for axis in of_rooms) < CLEAR_RISE:  # perhaps walls, and no ceiling
+        of_rooms += [axis for axis in axes if not axis.is_opposed]
+    axes = of_rooms or axes
+    scores = [axis.share / axis.extent for axis in axes]
+    best = axes[int(np.argmax(scores))]
+    others = [(axis, score) for axis, score in zip(axes, scores) if axis is not best]
     if any(score * CLEARLY > max(scores) for _, score in others):
         return None
+    if not has_sides and best.is_opposed:
+        return _below_the_middle(mesh, best)
+    if not has_sides:
+        return _off_the_plane(mesh, best, has_sides=evidence > INSIDE_OUT)
     rivals = [axis for axis, score in others if score > 0.5 * max(scores) and axis.is_opposed]
     if best.rise < ASYMMETRY or any(axis.rise > best.rise + 0.2 for axis in rivals):
         return None
     return best.direction
+
+
+def _off_the_plane(mesh: Mesh, axis: Axis, *, has_sides: bool) -> FloatArray | None:
+    """Up of what is mostly one plane, with things on it: away from it, on their side.
+
+    None of a bare wall, and where the things lie on the side that normals point away from: the scan is inside
+    out, or they hang below.
+    """
+    size = float(np.ptp(mesh.bounds, axis=0).max())
+    if (has_sides and axis.along >= 0.95) or axis.extent <= 0.02 * size:
+        return None
+    centers, normals, areas = _sample(mesh)
+    height, is_plane = centers @ axis.direction, np.abs(normals @ axis.direction) > CONE
+    share, edges = np.histogram(height[is_plane], 60, weights=areas[is_plane])
+    level, apart = float(edges[share.argmax() : share.argmax() + 2].mean()), 0.03 * size
+    above, below = (
+        float(areas[side].sum() / areas.sum()) for side in (height > level + apart, height < level - apart)
+    )
+    if max(above, below) < ON_IT or max(above, below) < 4 * min(above, below):
+        return axis.direction if has_sides else None
+    if above > below:
+        return axis.direction
+    return None if has_sides else -axis.direction
+
+
+def _below_the_middle(mesh: Mesh, axis: Axis) -> FloatArray | None:
+    """Up of a room whose normals may point either way: seats and tables lie in its lower half."""
+    centers, normals, areas = _sample(mesh)
+    height = centers @ axis.direction
+    low, high = np.percentile(height, [1, 99])
+    place = (height - low) / max(float(high - low), 1e-12)
+    is_between = (np.abs(normals @ axis.direction) > CONE) & (place > 0.08) & (place < 0.92)
+    if areas[is_between].sum() < 0.005 * areas.sum():
+        return None
+    mean = float(np.average(place[is_between], weights=areas[is_between]))
+    return axis.direction if mean < 0.42 else -axis.direction if mean > 0.58 else None
 
 
 def large_axes(mesh: Mesh) -> list[Axis]:
@@ -223,9 +278,13 @@ def _measured(direction: FloatArray, centers: FloatArray, normals: FloatArray, a
     rise = (along - against) / max(along + against, 1e-12)
     alike = min(along, against) / max(along, against, 1e-12)  # of the heights of little area nothing follows
     rise += alike * (levels[0] - levels[1]) / max(sum(levels), 1e-12)
+    apart = 0.0
+    if min(along, against) > 0:
+        ends = [float(np.average(height[side], weights=areas[side])) for side in (is_along, is_against)]
+        apart = abs(ends[0] - ends[1])
     if rise < 0:
-        return Axis(-direction, against, along, extent, -rise)
-    return Axis(direction, along, against, extent, rise)
+        return Axis(-direction, against, along, extent, -rise, apart)
+    return Axis(direction, along, against, extent, rise, apart)
 
 
 def _n_levels(level: IntArray, areas: FloatArray) -> float:

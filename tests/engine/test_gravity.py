@@ -6,7 +6,7 @@ import shapes
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from scenewidget import datasets
+from scenewidget import PointCloud, datasets
 from scenewidget.engine.gravity import large_axes
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.orientation import up_direction
@@ -17,6 +17,13 @@ from scenewidget.engine.units import likely_unit
 @pytest.fixture(scope="module")
 def rooms():
     return [datasets.simulate_room(seed=seed, voxel=0.08)[0] for seed in range(3)]
+
+
+@pytest.fixture(scope="module")
+def open_above():
+    room, _ = datasets.simulate_room(seed=5, voxel=0.05, n_objects=8)
+    ceiling = (room.face_normals[:, 2] < -0.9) & (room.face_centroids[:, 2] > room.bounds[1, 2] - 0.2)
+    return room.part(np.flatnonzero(~ceiling))
 
 
 def flipped(mesh):
@@ -71,6 +78,28 @@ def test_a_table_from_above_tells_and_a_bare_wall_does_not():
     assert up_direction(cube) is None
 
 
+def test_a_table_inside_out_is_not_sure_and_one_without_normals_is():
+    above = together(shapes.grid_square(60), block((0.2, 0.2, 0.15), (0.5, 0.5, 0.0), 6))
+    assert up_direction(flipped(above)) is None
+    for sign in (1, -1):  # whichever way the cloud's own normals happen to point
+        cloud = PointCloud(above.face_centroids * (1, 1, sign))
+        assert up_direction(cloud) @ [0, 0, sign] > 0.99
+
+
+def test_a_room_as_points_without_normals_stands_on_its_floor(rooms):
+    for room in rooms:
+        assert up_direction(PointCloud(room.face_centroids)) @ [0, 0, 1] > 0.99
+        turned = Rotation.from_euler("x", 180, degrees=True).as_matrix()
+        assert up_direction(PointCloud(room.face_centroids @ turned.T)) @ [0, 0, -1] > 0.99
+
+
+def test_walls_as_far_apart_as_floor_and_ceiling_are_no_floor():
+    room = flipped(block((4.3, 3.4, 2.0), n=24))
+    is_open = room.face_normals[:, 2] > -0.9
+    shelf = block((1.2, 0.4, 0.5), (0, 1.4, 0))
+    assert up_direction(together(Mesh(room.vertices, room.faces[is_open]), shelf)) @ [0, 0, 1] > 0.99
+
+
 @pytest.mark.parametrize(
     "mesh", [closet(), closet((1.0, 1.1, 2.4)), table(), flipped(block((5.0, 4.0, 2.5)))]
 )
@@ -100,10 +129,7 @@ def test_the_unit_of_a_room_is_named_with_its_factor(rooms, name):
 
 
 @pytest.mark.parametrize("name", ["metres", "inches", "feet", "centimetres"])
-def test_the_unit_of_an_open_room_is_told_by_the_height_of_its_furniture(name):
-    room, _ = datasets.simulate_room(seed=5, voxel=0.05, n_objects=8)
-    ceiling = (room.face_normals[:, 2] < -0.9) & (room.face_centroids[:, 2] > room.bounds[1, 2] - 0.2)
-    open_above = room.part(np.flatnonzero(~ceiling))
+def test_the_unit_of_an_open_room_is_told_by_the_height_of_its_furniture(open_above, name):
     turned = open_above.vertices[:, [1, 2, 0]]  # y up
     assert likely_unit(Mesh(turned * UNITS[name], open_above.faces)).name == name
 
