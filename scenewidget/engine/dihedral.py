@@ -23,6 +23,7 @@ from scenewidget.engine.mesh import (
     face_adjacency,
 )
 from scenewidget.engine.monitor import SILENT, Monitor
+from scenewidget.engine.threads import by_parts
 
 __all__ = ["MAX_RING_FACES", "SlotMapping", "dihedral_partition"]
 
@@ -105,7 +106,13 @@ def dihedral_partition(
     pairs = face_adjacency(mesh)
     monitor.tick(0.0)
     normals = _normals_everywhere(mesh, pairs)
-    dots = np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]])
+    dots = np.empty(len(pairs))
+
+    def dots_of(rows: slice) -> None:
+        one, other = (np.take(normals, side, axis=0) for side in pairs[rows].T)
+        np.einsum("ij,ij->i", one, other, out=dots[rows])
+
+    by_parts(dots_of, len(pairs))
     place = _place_in_slots(np.clip(dots, -1.0, 1.0), n_slots, mapping)
     graph = sparse.csr_array((np.arange(1, len(pairs) + 1), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
     graph = sparse.csr_array(graph + graph.T)

@@ -240,7 +240,9 @@ def _of_faces(mesh: Mesh, vectors: FloatArray) -> FloatArray:
 
     def sums_of(rows: slice) -> None:
         a, b, c = mesh.faces[rows].T
-        sums = vectors[a] + vectors[b] + vectors[c]
+        sums = np.take(vectors, a, axis=0)
+        sums += np.take(vectors, b, axis=0)
+        sums += np.take(vectors, c, axis=0)
         length = np.linalg.norm(sums, axis=1)
         share = np.divide(mesh.face_areas[rows], length, out=np.zeros_like(length), where=length > 0)
         np.multiply(sums, share[:, None], out=out[rows])

@@ -36,8 +36,8 @@ from scenewidget.engine.mesh import (
 from scenewidget.engine.moments import Moments, group_moments, mean_normals, moment_origin
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.preprocess import filter_normals, simplify
-from scenewidget.engine.scale import far_apart, geometric_order, own_frame, scene_scale
-from scenewidget.engine.threads import at_once, n_threads
+from scenewidget.engine.scale import far_apart, geometric_order, own_frame, scene_scale, turned
+from scenewidget.engine.threads import at_once, by_parts, n_threads
 
 __all__ = ["Items", "Touching", "find_bridges", "patch_items", "simplified_items", "superfacet_items"]
 
@@ -215,7 +215,7 @@ class Items:
     @cached_property
     def faces_by_item(self) -> tuple[IntArray, IntArray]:
         """Faces sorted by item, and where each item's begin and end in that order, (n + 1,)."""
-        order = np.argsort(self.item_of_face, kind="stable").astype(np.int32)
+        order = ascending(self.item_of_face).astype(np.int32)
         return order, np.searchsorted(self.item_of_face[order], np.arange(self.n + 1))
 
     @cached_property
@@ -530,15 +530,25 @@ def _superfacets(
     """
     if sweeps == "auto":
         sweeps = sweeps_for(float(np.sqrt(2.0 * np.median(mesh.face_areas))) / scale)
-    turned = mesh.face_normals @ frame
     smooth = partial(
-        filter_normals, mesh, pairs, normals=turned, sweeps=sweeps, n_threads=n_threads(), monitor=monitor
+        filter_normals,
+        mesh,
+        pairs,
+        normals=turned(mesh.face_normals, frame),
+        sweeps=sweeps,
+        n_threads=n_threads(),
+        monitor=monitor,
     )
     normals, bridges = at_once(smooth, partial(find_bridges, mesh, pairs, bridge))
     monitor.tick(0.5)
     links = np.concatenate([pairs, bridges])
-    steps = normals[links[:, 0]] - normals[links[:, 1]]
-    weights = 0.5 * np.einsum("ij,ij->i", steps, steps)  # 1 − N_i·N_j, whose digits float32 would lose
+    weights = np.empty(len(links), dtype=np.float32)
+
+    def half_squares(rows: slice) -> None:  # 1 − N_i·N_j, whose digits float32 would lose
+        steps = np.take(normals, links[rows, 0], axis=0) - np.take(normals, links[rows, 1], axis=0)
+        np.multiply(0.5, np.einsum("ij,ij->i", steps, steps), out=weights[rows])
+
+    by_parts(half_squares, len(links))
     order = monitor.call(ascending, weights)
     monitor.tick(0.7)
     areas, smallest = mesh.face_areas, min(item_area, float(mesh.face_areas.sum()) / FEWEST_ITEMS)
@@ -614,10 +624,10 @@ def patch_items(
     n = int(item_of_face.max()) + 1
     moments = group_moments(mesh, item_of_face, n)
     item_normals = mean_normals(mesh.face_vectors, item_of_face, n)
-    ends = item_of_face[face_pairs]
-    is_seam = (ends >= 0).all(axis=1) & (ends[:, 0] != ends[:, 1])
-    ends, faces = np.sort(ends[is_seam], axis=1).astype(np.int64), face_pairs[is_seam]
-    code, seam_pair = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
+    one, other = (np.take(item_of_face, side) for side in face_pairs.T)
+    seams = np.flatnonzero((one >= 0) & (other >= 0) & (one != other))
+    one, other, faces = one[seams].astype(np.int64), other[seams], face_pairs[seams]
+    code, seam_pair = np.unique(np.minimum(one, other) * n + np.maximum(one, other), return_inverse=True)
     pairs = np.stack([code // n, code % n], axis=1).astype(np.int32)
     seam_dot = np.einsum("ij,ij->i", normals[faces[:, 0]], normals[faces[:, 1]]).astype(np.float32)
     centroids = moments.centroid + moment_origin(mesh)

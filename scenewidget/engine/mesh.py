@@ -232,7 +232,7 @@ class Mesh:
     def bounds(self) -> FloatArray:
         """(2, 3) least and most of the coordinates of vertices in use, metres."""
         used = self.vertices if self.is_used.all() else self.vertices[self.is_used]
-        return _read_only(np.stack([used.min(axis=0), used.max(axis=0)]))
+        return _read_only(np.array([[x.min() for x in used.T], [x.max() for x in used.T]]))
 
     @cached_property
     def face_vectors(self) -> FloatArray:
@@ -284,9 +284,9 @@ class Mesh:
 
         def middles(rows: slice) -> None:
             a, b, c = self.faces[rows].T
-            sums = self.vertices[a]
-            sums += self.vertices[b]
-            sums += self.vertices[c]
+            sums = np.take(self.vertices, a, axis=0)  # a third of the time that vertices[a] takes
+            sums += np.take(self.vertices, b, axis=0)
+            sums += np.take(self.vertices, c, axis=0)
             np.divide(sums, 3, out=out[rows])
 
         by_parts(middles, self.n_faces)
@@ -437,7 +437,11 @@ def in_order(one: IntArray, other: IntArray) -> IntArray:
     if np.any(code[1:] == code[:-1]):
         code = code[np.concatenate([[True], code[1:] != code[:-1]])]
     out = np.empty((len(code), 2), dtype=np.int32)
-    out[:, 0], out[:, 1] = code >> 32, code & 0xFFFFFFFF
+
+    def apart(rows: slice) -> None:
+        out[rows, 0], out[rows, 1] = code[rows] >> 32, code[rows] & 0xFFFFFFFF
+
+    by_parts(apart, len(code))
     return out
 
 
@@ -509,15 +513,22 @@ def ascending(values: FloatArray | IntArray) -> IntArray:
     >>> ascending(np.array([2.0, 1.0, 2.0])).tolist()
     [1, 0, 2]
     """
-    if values.dtype == np.float32 and values.min(initial=0.0) >= 0:  # whose bits are in their order
-        key = (values + np.float32(0)).view(np.uint32).astype(np.uint64) << np.uint64(32)
-        key |= np.arange(len(values), dtype=np.uint64)
-        key.sort()
-        return (key & np.uint64(0xFFFFFFFF)).astype(np.int64)
-    order = np.argsort(values)  # several times as fast as a stable one, which only ties want
-    tied, tie = ties(values[order])
-    order[tied] = order[tied][np.lexsort((order[tied], tie))]
-    return order
+    least = values.min(initial=0)
+    if values.dtype == np.float32 and least >= 0:  # whose bits are in their order
+        key = (values + np.float32(0)).view(np.uint32).astype(np.uint64)
+    elif values.dtype == np.int32:
+        key = (values.astype(np.int64) - int(least)).astype(np.uint64)
+    else:
+        order = np.argsort(values)  # several times as fast as a stable one, which only ties want
+        tied, tie = ties(values[order])
+        if 4 * len(tied) > len(values):
+            return np.argsort(values, kind="stable")
+        order[tied] = order[tied][np.lexsort((order[tied], tie))]
+        return order
+    key <<= np.uint64(32)
+    key |= np.arange(len(values), dtype=np.uint64)
+    key.sort()
+    return (key & np.uint64(0xFFFFFFFF)).astype(np.int64)
 
 
 def ties(ordered: npt.NDArray[Any]) -> tuple[IntArray, IntArray]:

@@ -7,6 +7,8 @@ cups what a room is to its furniture: the method looks at it through the same th
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -20,7 +22,7 @@ from scenewidget.engine.mesh import (
     ties,
     unique_codes,
 )
-from scenewidget.engine.threads import by_parts
+from scenewidget.engine.threads import at_once, by_parts, one_blas_thread
 
 __all__ = ["far_apart", "geometric_order", "own_frame", "principal_axes", "scene_scale"]
 
@@ -61,7 +63,8 @@ def scene_scale(mesh: Mesh, frame: FloatArray | None = None) -> float:
         return 1.0
     axes = own_frame(mesh.face_centroids, mesh.face_areas) if frame is None else frame
     weights = np.bincount(mesh.faces.ravel(), np.repeat(mesh.face_areas, 3), mesh.n_vertices).astype(float)
-    length, _, height = (_side(mesh.vertices @ axis, weights) for axis in axes.T)
+    with one_blas_thread():
+        length, height = at_once(*(partial(_side, mesh.vertices @ axes[:, i], weights) for i in (0, 2)))
     of_a_room = float(np.median([1.0, length / ROOM_LENGTH, height / ROOM_HEIGHT]))
     return min(float(np.sqrt(area / ROOM_AREA)), of_a_room)
 
@@ -142,11 +145,32 @@ def principal_axes(points: FloatArray, weights: FloatArray) -> tuple[FloatArray,
     products *= share
     values, axes = np.linalg.eigh(_sums(products)[[[0, 1, 2], [1, 3, 4], [2, 4, 5]]])
     values, axes = np.maximum(values[::-1], 0.0), axes[:, ::-1]
-    along = (apart @ axes).T
+    along = turned(apart, axes).T
     skew = _sums(share * along * along * along)
     nearest = axes[np.abs(axes).argmax(axis=0), range(3)]
     is_known = np.abs(skew) > ALIKE * float(values.sum()) ** 1.5
     return axes * np.where(np.where(is_known, skew, nearest) < 0, -1.0, 1.0), values
+
+
+def turned(points: FloatArray, axes: FloatArray) -> FloatArray:
+    """``points @ axes`` without BLAS' threads, which wait for each other longer than they compute.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+    axes : (3, 3) float64
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.scale import turned
+    >>> turned(np.array([[1.0, 2.0, 3.0]]), np.eye(3)).tolist()
+    [[1.0, 2.0, 3.0]]
+    """
+    out = np.empty((len(points), 3))
+    with one_blas_thread():
+        by_parts(lambda rows: np.matmul(points[rows], axes, out=out[rows]), len(points))
+    return out
 
 
 def _sums(rows: FloatArray) -> FloatArray:
@@ -194,8 +218,8 @@ def geometric_order(mesh: Mesh, frame: FloatArray | None = None) -> IntArray:
     True
     """
     axes = own_frame(mesh.face_centroids, mesh.face_areas) if frame is None else frame
-    along = mesh.vertices @ axes
-    along -= along.min(axis=0, initial=0.0)
+    along = turned(mesh.vertices, axes)
+    along -= [min(0.0, float(x.min(initial=0.0))) for x in along.T]
     step = max(float(along.max(initial=0.0)) / STEPS, 1e-300)
     code = np.empty(mesh.n_vertices, dtype=np.int64)
 
@@ -218,7 +242,7 @@ def geometric_order(mesh: Mesh, frame: FloatArray | None = None) -> IntArray:
     n, corners = mesh.n_vertices, np.empty((2, mesh.n_faces), dtype=np.int64)
 
     def sorted_corners(rows: slice) -> None:
-        a, b, c = place[mesh.faces[rows]].T  # whichever corner a face begins with
+        a, b, c = (np.take(place, side) for side in mesh.faces[rows].T)  # whichever corner a face begins with
         low, high = np.minimum(a, b), np.maximum(a, b)
         second = np.maximum(low, np.minimum(high, c))
         corners[0, rows] = np.minimum(low, c) * n + second
@@ -264,7 +288,9 @@ def far_apart(mesh: Mesh, pairs: IntArray, gap: float) -> IntArray:
     n, component = connected_components(mesh.n_faces, pairs)
     if n > 1:
         size, low = gap / 4, mesh.bounds[0]
-        deep, wide, high = (_cells(mesh.face_centroids.max(axis=0), low, size) + 1).tolist()
+        deep, wide, high = (
+            _cells(np.array([x.max() for x in mesh.face_centroids.T]), low, size) + 1
+        ).tolist()
         code = np.empty(mesh.n_faces, dtype=np.int64)
 
         def codes_of(rows: slice) -> None:

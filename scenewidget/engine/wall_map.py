@@ -170,7 +170,7 @@ def _points(items: Items, members: IntArray, values: FloatArray | None) -> _Poin
     order, start = items.faces_by_item
     faces = np.concatenate([order[start[i] : start[i + 1]] for i in members])
     area = items.mesh.face_areas[faces]
-    position = items.mesh.face_centroids[faces]
+    position = np.take(items.mesh.face_centroids, faces, axis=0)
     position -= np.average(position, axis=0, weights=area)  # a product's last bits depend on BLAS' threads
     axes, _ = principal_axes(position, area)
     foot = np.ascontiguousarray(axes[:, :2].T @ position.T)
@@ -237,13 +237,12 @@ def _without_rims(item: IntArray) -> IntArray:
 def _inner(item: IntArray) -> BoolArray:
     """(rows, columns) whether all cells within RIM of a cell are of its item."""
     out = np.ones(item.shape, dtype=np.bool_)
-    for axis in (0, 1):
-        near = [
-            (item == np.roll(item, step, axis)) & np.roll(out, step, axis)
-            for step in range(-RIM, RIM + 1)
-            if step != 0
-        ]
-        out &= np.logical_and.reduce(near)
+    for cells, inner in ((item, out), (item.T, out.T)):
+        before = inner.copy()
+        for step in range(1, RIM + 1):
+            same = cells[step:] == cells[:-step]
+            inner[step:] &= same & before[:-step]
+            inner[:-step] &= same & before[step:]
     return out
 
 
