@@ -65,6 +65,9 @@ class Drawing:
         What the colours mean, if they are numbers.
     note : str
         What a reader should know, such as that the mesh is drawn simplified.
+    faces : (n_surface, 3) int or None
+        Numbers of the points at the surface's corners, where all corners at a point have one colour: a
+        sixth of the numbers says it all then.
 
     Examples
     --------
@@ -82,6 +85,7 @@ class Drawing:
     title: str = ""
     scale: ColorScale | None = None
     note: str = ""
+    faces: IntArray | None = None
 
     def __repr__(self) -> str:
         return f"Drawing({self.n_surface} faces)"
@@ -139,8 +143,10 @@ def draw(
     diagonal = float(np.linalg.norm(high_end - low_end)) or 1.0
     corners = corners - middle
 
+    if smooth is None:
+        smooth = numbers is not None and len(numbers) == mesh.n_vertices and not mesh.is_cloud
     scale = None
-    at_corners = None
+    at_corners = at_points = None
     paint: ColorArray | FloatArray
     if labels is not None:
         paint = label_colors(labels, label_rows(mesh, labels))[source][:, None].repeat(3, axis=1)
@@ -148,17 +154,23 @@ def draw(
         paint = _corner_rows(mesh, drawn, source, rgb)
     elif numbers is not None:
         scale = color_scale(numbers, colormap=colormap, low=low, high=high, title=scale_title)
-        at_corners = _corner_rows(mesh, drawn, source, numbers)
-        paint = scale.colors(at_corners)
+        if smooth and len(numbers) == mesh.n_vertices:
+            at_points = numbers[nearest_vertices(mesh, drawn)]
+            at_corners = at_points[faces]
+        else:
+            at_corners = _corner_rows(mesh, drawn, source, numbers)
+        paint = scale.colors(at_corners if at_points is None else at_points)
     elif scan_colors and mesh.vertex_colors is not None:
         paint = mesh.vertex_colors[nearest_vertices(mesh, drawn)[faces]]
     else:
         paint = np.tile(np.array(PLAIN, np.uint8), (len(faces), 3, 1))
 
-    if smooth is None:
-        smooth = numbers is not None and len(numbers) == mesh.n_vertices and not mesh.is_cloud
     hides_back = _is_room(mesh) if back_faces is None else not back_faces
-    layers = [(corners, lit(paint, corner_normals(corners, faces, smooth=smooth)))]
+    if at_points is None:
+        surface = lit(paint, corner_normals(corners, faces, smooth=smooth))
+    else:
+        surface = lit(paint, _point_normals(corners, faces, drawn.n_vertices))[faces]
+    layers = [(corners, surface)]
     width = LINE_WIDTH * diagonal
     if edges:
         segments = edge_segments(faces, corners)
@@ -196,6 +208,7 @@ def draw(
         title,
         scale,
         note,
+        None if at_points is None else faces,
     )
 
 
@@ -236,15 +249,27 @@ def corner_normals(corners: FloatArray, faces: IntArray | None, *, smooth: bool)
     >>> corner_normals(mesh.vertices[mesh.faces], mesh.faces, smooth=False)[0, 0]
     array([0., 0., 1.])
     """
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     if smooth and faces is not None:
-        n = int(faces.max()) + 1
-        at_vertex = np.stack([np.bincount(faces.ravel(), np.repeat(part, 3), n) for part in across.T], axis=1)
-        normals = at_vertex[faces]
-    else:
-        normals = np.repeat(across[:, None], 3, axis=1)
-    length = np.linalg.norm(normals, axis=2, keepdims=True)
-    unit: FloatArray = np.divide(normals, length, out=np.zeros(normals.shape), where=length > 0)
+        return _point_normals(corners, faces, int(faces.max()) + 1)[faces]
+    return np.repeat(_unit(_twice_the_area(corners))[:, None], 3, axis=1)
+
+
+def _point_normals(corners: FloatArray, faces: IntArray, n: int) -> FloatArray:
+    """(n, 3) unit normal at each point, the mean of its triangles' by area."""
+    across = _twice_the_area(corners)
+    return _unit(np.stack([np.bincount(faces.ravel(), np.repeat(part, 3), n) for part in across.T], axis=1))
+
+
+def _twice_the_area(corners: FloatArray) -> FloatArray:
+    """(n_triangles, 3) normals as long as twice the area."""
+    across: FloatArray = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return across
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    """Of length 1; 0 stays 0."""
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    unit: FloatArray = np.divide(vectors, length, out=np.zeros(vectors.shape), where=length > 0)
     return unit
 
 

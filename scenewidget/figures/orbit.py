@@ -179,6 +179,8 @@ class Panel:
                 "position": _rows(drawing.corners[start:end]),
                 "color": np.ascontiguousarray(drawing.colors[start:end].reshape(-1, 3)),
             }
+            if i == 0 and drawing.faces is not None and morph is None:
+                arrays = _at_points(arrays, drawing.faces)
             if morph is not None:
                 arrays["morph"] = _rows(morph.corners)
             old = self.layers[i] if i < len(self.layers) else None
@@ -210,8 +212,9 @@ class _Layer:
             for name, array in arrays.items()
         }
         plain = {name: self.attributes[name] for name in ("position", "color")}
+        shared = {"index": self.attributes["index"]} if "index" in arrays else {}
         target = {"position": [self.attributes["morph"]]} if "morph" in arrays else {}
-        geometry = three.BufferGeometry(attributes=plain, morphAttributes=target)
+        geometry = three.BufferGeometry(attributes=plain, morphAttributes=target, **shared)
         material = three.MeshBasicMaterial(vertexColors="VertexColors", side=side, morphTargets=bool(target))
         self.object = three.Mesh(
             geometry,
@@ -239,6 +242,18 @@ def _side(drawing: Drawing) -> str:
 def _rows(corners: Any) -> Any:
     """(3 n_triangles, 3) float32."""
     return corners.reshape(-1, 3).astype(np.float32)
+
+
+def _at_points(arrays: dict[str, Any], faces: Any) -> dict[str, Any]:
+    """A row a point instead of one a corner, and the points of each triangle."""
+    index = faces.ravel().astype(np.uint32)
+    rows = {
+        name: np.zeros((int(index.max()) + 1, *array.shape[1:]), array.dtype)
+        for name, array in arrays.items()
+    }
+    for name, array in arrays.items():
+        rows[name][index] = array
+    return {**rows, "index": index}
 
 
 def _quaternion(camera: Camera) -> tuple[float, float, float, float]:

@@ -32,7 +32,9 @@ def test_redrawing_sends_only_what_differs():
     assert before.attributes["position"].array is position
     color = before.attributes["color"]
     assert color.normalized  # bytes that stand for 0 to 1
-    np.testing.assert_array_equal(color.array, figure.drawings[0].colors.reshape(-1, 3))
+    index = before.attributes["index"].array  # a row a point, and each point once
+    np.testing.assert_array_equal(color.array[index], figure.drawings[0].colors.reshape(-1, 3))
+    assert len(color.array) == len(position) == mesh.n_vertices
     figure.redraw(figures.show(mesh, values=mesh.vertices[:, 1], points=[0]))
     assert panel.layers[0] is before
     assert list(panel.scene.children) == [layer.object for layer in panel.layers]

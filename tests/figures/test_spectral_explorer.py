@@ -22,7 +22,8 @@ def explorer(mesh):
 def positions(explorer):
     """Corners that the browser draws, (n_faces, 3, 3), where they are on the mesh."""
     (panel,) = explorer.figure.panels
-    corners = panel.layers[0].attributes["position"].array[: 3 * explorer.mesh.n_faces].reshape(-1, 3, 3)
+    surface = panel.layers[0].attributes
+    corners = surface["position"].array[surface["index"].array].reshape(-1, 3, 3)
     used = explorer.mesh.vertices[explorer.mesh.faces]
     return corners + 0.5 * (used.min(axis=(0, 1)) + used.max(axis=(0, 1)))
 
