@@ -182,14 +182,15 @@ class SpectralExplorer(widgets.VBox):
         self._note = "; ".join(notes)
         self._k = k
         self._bases: dict[str, Eigenbasis] = {}
-        self._is_held = False
+        self._clocks: dict[str, widgets.FloatLogSlider] = {}
+        self._is_held, self._is_read = False, True
         super().__init__(laplacian=laplacian)
         self.set_trait("source", int(self.mesh.faces[0, 0]))
         self._make_controls()
-        self._take_basis()
         self.figure = Figure([self._drawing()], view=view, width=width, height=height)
         self.children = [self._picture(), widgets.HBox([self._mode, self._kind]), *self._sliders.values()]
         self.observe(self._take_basis, "laplacian")
+        self.observe(self._set_clock, "time")
         self.observe(self._redraw, ["mode", "index", "n_functions", "source", "time", "laplacian"])
         self._show_sliders()
 
@@ -272,32 +273,28 @@ class SpectralExplorer(widgets.VBox):
         low, high = (end(self.mesh.vertices[self.mesh.faces], axis=(0, 1)) for end in (np.min, np.max))
         self._middle = (low + high) / 2
 
-        def wide() -> dict[str, Any]:
-            return {"layout": widgets.Layout(width="460px"), "style": {"description_width": "150px"}}
-
         last = self.basis.k - 1
         self.set_trait("index", min(self.index, last))
         self.set_trait("n_functions", min(self.n_functions, last + 1))
         self._mode = widgets.Dropdown(
-            options=[(label, name) for name, (label, _) in MODES.items()], description="Show", **wide()
+            options=[(label, name) for name, (label, _) in MODES.items()], description="Show", **_wide()
         )
         self._kind = widgets.ToggleButtons(options=KINDS, style={"button_width": "90px"})
         self._sliders = {
-            "index": widgets.IntSlider(self.index, 1, last, description="Eigenfunction", **wide()),
+            "index": widgets.IntSlider(self.index, 1, last, description="Eigenfunction", **_wide()),
             "n_functions": widgets.IntSlider(
-                self.n_functions, 1, last + 1, description="Basis functions", **wide()
+                self.n_functions, 1, last + 1, description="Basis functions", **_wide()
             ),
-            "time": widgets.FloatLogSlider(
-                1.0, min=-9, max=9, step=0.02, description="Diffusion time t", readout_format=".3g", **wide()
-            ),
+            "time": self._clock(),
             "source": widgets.BoundedIntText(
-                self.source, 0, self.mesh.n_vertices - 1, description="Source vertex", **wide()
+                self.source, 0, self.mesh.n_vertices - 1, description="Source vertex", **_wide()
             ),
         }
         traitlets.link((self, "mode"), (self._mode, "value"))
         traitlets.link((self, "laplacian"), (self._kind, "value"))
-        for name, slider in self._sliders.items():
-            traitlets.link((self, name), (slider, "value"))
+        for name in ("index", "n_functions", "source"):
+            traitlets.link((self, name), (self._sliders[name], "value"))
+        self.time = self._sliders["time"].value
         self._remark = widgets.HTML(self._note)
 
     def _picture(self) -> Any:
@@ -318,15 +315,39 @@ class SpectralExplorer(widgets.VBox):
         self.source = int(used[np.linalg.norm(self.vertices[used] - place, axis=1).argmin()])
 
     def _take_basis(self, _: Any = None) -> None:
-        """Give the time slider the range of this Laplacian's eigenvalues."""
-        times = heat_kernel_times(self.basis, 3)
-        slider = self._sliders["time"]
+        """Take the eigenvalues' own time slider, with the time that it showed last.
+
+        One slider with another range comes back from the page with a time of its own, to be drawn once more.
+        """
+        self._sliders["time"].layout.display = "none"
+        self._sliders["time"] = clock = self._clock()
+        if clock not in self.children:
+            self.children = [*self.children, clock]
         self._is_held = True  # one picture for one click
-        with slider.hold_sync():
-            slider.min, slider.max = -99, 99
-            self.time = float(times[1])
-            slider.min, slider.max = np.log10(times[0] / 10), np.log10(times[2])
+        self.time = clock.value
         self._is_held = False
+
+    def _clock(self) -> widgets.FloatLogSlider:
+        """The time slider of this Laplacian, made when first asked for, with the range of its eigenvalues."""
+        if self.laplacian not in self._clocks:
+            step = 0.02
+            lowest, middle, highest = np.round(np.log10(heat_kernel_times(self.basis, 3)) / step)
+            clock = widgets.FloatLogSlider(
+                10.0 ** (middle * step), min=lowest * step - 1, max=highest * step, step=step,
+                description="Diffusion time t", readout_format=".3g", **_wide(),
+            )  # fmt: skip
+            clock.observe(self._read_clock, "value")
+            self._clocks[self.laplacian] = clock
+        return self._clocks[self.laplacian]
+
+    def _set_clock(self, change: dict[str, Any]) -> None:
+        self._is_read = False  # a time beyond the slider holds, with the slider at its end
+        self._sliders["time"].value = change["new"]
+        self._is_read = True
+
+    def _read_clock(self, change: dict[str, Any]) -> None:
+        if self._is_read:
+            self.time = change["new"]
 
     def _redraw(self, change: dict[str, Any]) -> None:
         if self._is_held or (change["name"] in self._sliders and change["name"] not in MODES[self.mode][1]):
@@ -337,6 +358,10 @@ class SpectralExplorer(widgets.VBox):
     def _show_sliders(self) -> None:
         for name, slider in self._sliders.items():
             slider.layout.display = "" if name in MODES[self.mode][1] else "none"
+
+
+def _wide() -> dict[str, Any]:
+    return {"layout": widgets.Layout(width="460px"), "style": {"description_width": "150px"}}
 
 
 def _oval_ring() -> Mesh:

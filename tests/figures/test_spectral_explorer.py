@@ -93,6 +93,26 @@ def test_sliders_and_attributes_follow_each_other(explorer):
     assert explorer.figure.drawings[0] is before
 
 
+def test_each_laplacian_keeps_a_time_of_its_own(explorer):
+    first = explorer._sliders["time"]
+    explorer.time = 0.3
+    assert first.value == 0.3
+    explorer.laplacian = "uniform"
+    slider = explorer._sliders["time"]
+    assert slider in explorer.children
+    assert (first.value, slider.value) == (0.3, explorer.time)
+    slider.value = 10**slider.max  # as a hand does it
+    assert explorer.time == slider.value
+    explorer.time = 1e6  # a script may go on where the slider ends
+    assert explorer.time > slider.value == pytest.approx(10**slider.max)
+    explorer.laplacian = "cotangent"
+    assert explorer.time == 0.3
+    assert len(explorer.children) == len(set(explorer.children))
+    for one in (first, slider):  # else the page would round it, and have it drawn twice
+        steps = (one.max - one.min) / one.step
+        assert steps == pytest.approx(round(steps))
+
+
 @pytest.mark.parametrize(
     ("name", "value"),
     [("index", 30), ("index", 0), ("n_functions", 31), ("source", 10**6), ("mode", "sound")],
