@@ -34,6 +34,8 @@ ON_IT = 0.01  # of the area, that things on a plane have at least
 CLEARLY = 1.2  # how much better than any other the axis must be
 INSIDE_OUT = 0.1  # evidence from which on normals point away from free space
 ASYMMETRY = 0.08  # from which on the two ends of an axis differ
+ASKEW = 0.9  # cosine up to which a face looks along no axis
+MORE = 1.5  # times as much that stands around another axis makes one doubtful
 CLEAR_RISE = 0.2  # from which on floor and ceiling are told from two walls
 
 
@@ -129,6 +131,10 @@ def up_direction(mesh: Mesh, axes: Sequence[Axis] | None = None) -> FloatArray |
     others = [(axis, score) for axis, score in zip(axes, scores) if axis is not best]
     if any(score * CLEARLY > max(scores) for _, score in others):
         return None
+    if not best.is_opposed and _turns_more(
+        mesh, [best, *(a for a, score in others if score > max(scores) / 4)]
+    ):
+        return None
     if not has_sides and best.is_opposed:
         return _below_the_middle(mesh, best)
     if not has_sides:
@@ -137,6 +143,18 @@ def up_direction(mesh: Mesh, axes: Sequence[Axis] | None = None) -> FloatArray |
     if best.rise < ASYMMETRY or any(axis.rise > best.rise + 0.2 for axis in rivals):
         return None
     return best.direction
+
+
+def _turns_more(mesh: Mesh, axes: Sequence[Axis]) -> bool:
+    """Whether the first of the axes is less likely upright than another: what stands looks all ways round it.
+
+    Of the surface that faces along none of them, half as much again is parallel to that other axis.
+    """
+    _, normals, areas = _sample(mesh)
+    along = np.abs(np.stack([normals @ axis.direction for axis in axes]))
+    areas = np.where((along < ASKEW).all(axis=0), areas, 0.0)
+    around = [float(areas[row < np.sqrt(1 - CONE**2)].sum()) for row in along]
+    return areas.sum() > 0 and max(around) > MORE * around[0]
 
 
 def _off_the_plane(mesh: Mesh, axis: Axis, *, has_sides: bool) -> FloatArray | None:

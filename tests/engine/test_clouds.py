@@ -203,6 +203,11 @@ def test_las_and_laz_give_points_and_colours_and_no_half_of_them(tmp_path, suffi
     struct.pack_into("<I", forged, 100, 10**9)  # records before the points
     with pytest.raises(MeshError, match="promises 1000000000 records of its header"):
         load(written(tmp_path, f"records.{suffix}", bytes(forged)))
+    if suffix == "laz":  # of nothing: at that the library panics, which is no Exception
+        forged = bytearray(data)
+        struct.pack_into("<H", forged, data.index(b"laszip encoded") - 2 + 54 + 32, 0)
+        with pytest.raises(MeshError, match=r"'empty\.laz' is damaged"):
+            load(written(tmp_path, "empty.laz", bytes(forged)))
     struct.pack_into("<I", data, 107, 10**9)
     with pytest.raises(MeshError, match=r"promises 1000000000 points|GB of points"):
         load(written(tmp_path, f"forged.{suffix}", bytes(data)))

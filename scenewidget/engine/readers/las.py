@@ -44,7 +44,12 @@ def _open(path: Path) -> Any:
             f'{path.name!r} is LAS or LAZ: `pip install "scenewidget[las]"` lets it be read'
         ) from None
     # not by threads: they believe the sizes in the table of chunks, and a forged one ends the process
-    las = laspy.read(path, laz_backend=laspy.LazBackend.Lazrs)
+    try:
+        las = laspy.read(path, laz_backend=laspy.LazBackend.Lazrs)
+    except BaseException as error:  # a panic of its Rust is no Exception
+        if isinstance(error, (KeyboardInterrupt, SystemExit)):
+            raise
+        raise MeshError(f"{path.name!r} is damaged: {error!s:.200}") from None
     if len(las.points) == 0:
         raise MeshError(f"{path.name!r} holds no points")
     return las
