@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -21,6 +20,7 @@ from scipy.spatial import cKDTree
 
 from scenewidget.engine.clouds import PointCloud
 from scenewidget.engine.curve import along_curve
+from scenewidget.engine.decimation import decimate
 from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import (
     BoolArray,
@@ -38,7 +38,7 @@ from scenewidget.engine.monitor import SILENT, Monitor
 __all__ = ["Simplified", "filter_normals", "keep_components", "neighbor_table", "simplify"]
 
 Simplifier = Literal["fast", "qslim"]
-_FAST_EDGE = 0.02  # mean length that fast-simplification is given: its thresholds are absolute, for metres
+_FAST_EDGE = 0.02  # mean length that `decimate` is given: its thresholds are absolute, for metres
 PLAIN_SWEEPS, SUPER_STEPS = 6, 4  # of the normal filter: first so many alone, the others in so many groups
 BLOCK = 128  # faces whose normals are filtered at once
 # 2^x as float32, x ≤ 0: powers of 2^(−1/32), and a polynomial of what is left (Nagy, Arm Optimized Routines)
@@ -52,7 +52,6 @@ EXP2 = (
 )
 FARTHEST = np.float32(87.0)  # whose exponential is the least normal float32
 MOST_CUT = 0.1  # share of the sides of faces; raw scans have up to 0.01
-_FAST_SIMPLIFICATION = threading.Lock()  # the library keeps its mesh in a global variable
 
 
 def keep_components(
@@ -162,7 +161,7 @@ def simplify(
     n_faces : int
         Target; a smaller mesh is kept as it is.
     simplifier : str
-        "fast": fast-simplification, seconds at a million faces, tears noisy surfaces into pieces. "qslim":
+        "fast": `decimation.decimate`, seconds at a million faces, tears noisy surfaces into pieces. "qslim":
         libigl's, ten times slower; it gets the mesh cut open along non-manifold edges. Where either stops
         above the target, as on fragmented scans, shortest edges are collapsed for the rest.
     coverage, smallest : float
@@ -410,22 +409,16 @@ def _with_faces(mesh: Mesh, stays: BoolArray) -> Mesh:
 
 
 def _fast(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
-    import fast_simplification
-
     before = vertices, faces
     center = vertices.mean(axis=0)
     edge = np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1).mean()
     unit = float(edge) / _FAST_EDGE
     vertices = (vertices - center) / unit
-    with _FAST_SIMPLIFICATION:
-        for aggressiveness in (7.0, 10.0, 15.0):  # fragmented scans stop far above the target: try harder
-            vertices, faces = fast_simplification.simplify(
-                np.array(vertices), np.array(faces), target_count=int(target), agg=aggressiveness
-            )
-            if len(faces) <= 1.05 * target:
-                break
-    vertices = np.asarray(vertices, dtype=np.float64) * unit + center
-    faces = np.asarray(faces, dtype=np.int32)
+    for aggressiveness in (7.0, 10.0, 15.0):  # fragmented scans stop far above the target: try harder
+        vertices, faces = decimate(vertices, faces, int(target), aggressiveness=aggressiveness)
+        if len(faces) <= 1.05 * target:
+            break
+    vertices = vertices * unit + center
     if 0 < len(faces) <= 1.05 * target:
         return vertices, faces
     if len(faces) == 0:  # a target of a few faces: the library may leave none
