@@ -72,9 +72,9 @@ def _segmented(mesh: sw.Mesh, seg: sw.Segmentation) -> sw.SceneView:
 
 def _explored(explorer: sw.SpectralExplorer) -> sw.SceneView:
     values = explorer.values[explorer.mesh.faces].mean(axis=1)  # a face shows one
-    low, high = np.quantile(values, [0.01, 0.99])
+    scale = explorer.figure.drawings[0].scale
     view = sw.SceneView(sw.Mesh(explorer.vertices, explorer.mesh.faces))
-    view.set_values(values, title="φ", low=float(low), high=float(high))
+    view.set_values(values, title=scale.title, colormap=scale.colormap, low=scale.low, high=scale.high)
     view.back_faces = True
     return view
 

@@ -19,6 +19,7 @@ from scenewidget.engine.operators import Eigenbasis, LaplacianKind, eigenbasis, 
 from scenewidget.engine.readers import load_mesh
 from scenewidget.figures.drawing import Drawing, at_most, draw
 from scenewidget.figures.orbit import Figure
+from scenewidget.figures.scale import DIVERGING
 
 __all__ = ["SpectralExplorer", "heat_from", "low_pass"]
 
@@ -247,9 +248,13 @@ class SpectralExplorer(widgets.VBox):
         low, high = np.quantile(values, [1 - SHOWN, SHOWN])
         if mode in ("heat", "low pass"):
             low = 0.0
+        elif mode == "eigenfunction":  # white is where it vanishes
+            high = max(-low, high)
+            low = -high
         shape = Mesh(self.vertices, self.mesh.faces) if mode == "low pass" else self.mesh
         return draw(
             shape, values=values, title=title, scale_title=unit, max_faces=shape.n_faces,
+            colormap=DIVERGING if mode == "eigenfunction" else None,
             low=float(low) if high > low else None, high=float(high) if high > low else None,
             points=[self.source] if mode == "heat" else None,
             middle=self._middle, back_faces=True if mode == "low pass" else None,
