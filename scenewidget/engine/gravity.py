@@ -206,7 +206,9 @@ def large_axes(mesh: Mesh) -> list[Axis]:
     >>> [axis.direction.round(1).tolist() for axis in large_axes(square(20))]
     [[0.0, 0.0, 1.0]]
     """
-    return _axes(*_sample(mesh))
+    if not mesh._large_axes:  # several ask for them
+        mesh._large_axes.append(_axes(*_sample(mesh)))
+    return list(mesh._large_axes[0])
 
 
 def _axes(centers: FloatArray, normals: FloatArray, areas: FloatArray) -> list[Axis]:

@@ -221,6 +221,11 @@ class Mesh:
         return {}
 
     @cached_property
+    def _large_axes(self) -> list[Any]:
+        """Found so far, none or one list of them; `gravity.large_axes` fills it."""
+        return []
+
+    @cached_property
     def is_used(self) -> BoolArray:
         """(n_vertices,) whether a face has the vertex; others may lie anywhere."""
         is_used = np.zeros(self.n_vertices, dtype=np.bool_)

@@ -15,7 +15,6 @@ from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-from scipy import sparse
 from scipy.spatial import cKDTree
 
 from scenewidget.engine.clouds import PointCloud
@@ -538,11 +537,12 @@ def neighbor_table(n_items: int, pairs: IntArray) -> tuple[IntArray, IntArray]:
     >>> starts.tolist(), neighbors.tolist()
     ([0, 1, 3, 4], [1, 0, 2, 1])
     """
-    ones = np.ones(2 * len(pairs), dtype=np.int8)
-    rows, columns = np.concatenate([pairs, pairs[:, ::-1]]).T if len(pairs) else np.empty((2, 0), np.int32)
-    table = sparse.csr_array((ones, (rows, columns)), shape=(n_items, n_items))
-    table.sort_indices()
-    return table.indptr.astype(np.int32), table.indices.astype(np.int32)
+    one, other = np.asarray(pairs, dtype=np.int64).reshape(-1, 2).T
+    code = np.concatenate([one << 32 | other, other << 32 | one])
+    code.sort()
+    count = np.bincount(one, minlength=n_items) + np.bincount(other, minlength=n_items)
+    starts = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
+    return starts, code.astype(np.uint32).view(np.int32)  # the lower half
 
 
 def filter_normals(

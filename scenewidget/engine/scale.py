@@ -183,15 +183,13 @@ def _sums(rows: FloatArray) -> FloatArray:
 @kernel
 def _add(rows, total):  # type: ignore[no-untyped-def]
     """Sums and what they were rounded by (Knuth's two-sum), both added to ``total``."""
-    for k in range(rows.shape[0]):
-        high, low = total[0, k], total[1, k]
-        for i in range(rows.shape[1]):
-            x = rows[k, i]
+    for i in range(rows.shape[1]):
+        for k in range(rows.shape[0]):  # several rows at a time: each addition waits for the last of its row
+            x, high = rows[k, i], total[0, k]
             both = high + x
             part = both - high
-            low += (high - (both - part)) + (x - part)
-            high = both
-        total[0, k], total[1, k] = high, low
+            total[1, k] += (high - (both - part)) + (x - part)
+            total[0, k] = both
 
 
 def geometric_order(mesh: Mesh, frame: FloatArray | None = None) -> IntArray:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -47,6 +48,7 @@ from scenewidget.engine.features import (
     wave_kernel_signature,
 )
 from scenewidget.engine.finish import finish, tidied
+from scenewidget.engine.gravity import large_axes
 from scenewidget.engine.items import Items, simplified_items, superfacet_items
 from scenewidget.engine.kmedoids import Ties
 from scenewidget.engine.linkage import average_linkage, cut_tree
@@ -57,7 +59,7 @@ from scenewidget.engine.operators import Eigenbasis, eigenbasis
 from scenewidget.engine.orientation import Orientation, oriented, warn_of_mixed_winding
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation, segmentation_of_items
-from scenewidget.engine.threads import n_threads
+from scenewidget.engine.threads import at_once, n_threads
 
 __all__ = ["TITLES", "Stage", "stages"]
 
@@ -248,7 +250,9 @@ def _adjacency(mesh: Mesh, *, monitor: Monitor) -> IntArray:
 def _superfacets(
     mesh: Mesh, pairs: IntArray, *, monitor: Monitor, orientation: Orientation, **options: Any
 ) -> Items:
-    return oriented(superfacet_items(mesh, pairs, monitor=monitor, **options), orientation)
+    find = partial(superfacet_items, mesh, pairs, monitor=monitor, **options)
+    items, _ = at_once(find, partial(large_axes, mesh))  # of which its unit is told
+    return oriented(items, orientation)
 
 
 def _simplified(

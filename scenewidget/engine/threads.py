@@ -90,7 +90,7 @@ def by_parts(work: Callable[[slice], object], n: int) -> None:
 
 
 def at_once(*calls: Callable[[], Any]) -> list[Any]:
-    """Results of calls that don't wait for each other, on all threads.
+    """Results of calls that don't wait for each other, on all threads; the first is made by this thread.
 
     Parameters
     ----------
@@ -104,8 +104,9 @@ def at_once(*calls: Callable[[], Any]) -> list[Any]:
     """
     if n_threads() == 1:
         return [call() for call in calls]
-    with ThreadPoolExecutor(n_threads()) as pool:
-        return [job.result() for job in [pool.submit(call) for call in calls]]
+    with ThreadPoolExecutor(max(1, n_threads() - 1)) as pool:
+        jobs = [pool.submit(call) for call in calls[1:]]
+        return [calls[0](), *(job.result() for job in jobs)]
 
 
 @contextmanager
