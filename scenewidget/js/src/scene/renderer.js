@@ -313,6 +313,10 @@ export class SceneRenderer {
     this.relief.uniforms.size.value = bounds.radius;
     this.relief.uniforms.reach.value = Math.max(1, this.size.ratio * scale);
     this.relief.uniforms.depth.value = target.depthTexture;
+    if (isCoarse !== "IS_DRAFT" in this.relief.defines) {
+      this.relief.defines = isCoarse ? { IS_DRAFT: 1 } : {};
+      this.relief.needsUpdate = true;
+    }
     this.three.setRenderTarget(this.reliefTarget);
     this.three.render(this.reliefScene, this.camera);
     this.#uniform("numbers", target.textures[0]);

@@ -142,6 +142,13 @@ precision highp int;
 uniform highp sampler2D depth;
 uniform float near, far, size, reach;
 out vec4 relief;
+#ifdef IS_DRAFT // half as many samples while the camera moves: most of a frame's time without a graphics card
+const int N_EDGES = 4;
+const int N_HOLLOWS = 7;
+#else
+const int N_EDGES = 8;
+const int N_HOLLOWS = 14;
+#endif
 float distanceAt(ivec2 place) {
   float d = texelFetch(depth, clamp(place, ivec2(0), textureSize(depth, 0) - 1), 0).r;
   return near * far / (far - d * (far - near));
@@ -152,19 +159,19 @@ void main() {
   float edge = 0.0;
   float hollow = 0.0;
   if (here < far * 0.9999) {
-    for (int i = 0; i < 8; i++) {
-      float angle = 0.785398 * float(i) + 0.3;
+    for (int i = 0; i < N_EDGES; i++) {
+      float angle = 6.283185 / float(N_EDGES) * float(i) + 0.3;
       vec2 way = vec2(cos(angle), sin(angle)) * reach;
       edge += clamp((here - distanceAt(place + ivec2(round(way)))) / (0.03 * size), 0.0, 1.0);
     }
-    for (int i = 0; i < 14; i++) { // a spiral: no two samples at the same distance, so no bands
+    for (int i = 0; i < N_HOLLOWS; i++) { // a spiral: no two samples at the same distance, so no bands
       float angle = 2.4 * float(i);
-      vec2 way = vec2(cos(angle), sin(angle)) * reach * (3.0 + 1.6 * float(i));
+      vec2 way = vec2(cos(angle), sin(angle)) * reach * (3.0 + 22.4 / float(N_HOLLOWS) * float(i));
       float behind = (here - distanceAt(place + ivec2(round(way)))) / (0.025 * size);
       hollow += clamp(behind, 0.0, 1.0) * clamp(3.0 - 0.5 * behind, 0.0, 1.0);
     }
   }
-  relief = vec4(1.0 - 0.45 * edge / 8.0 - 0.5 * hollow / 14.0, 0.0, 0.0, 1.0);
+  relief = vec4(1.0 - 0.45 * edge / float(N_EDGES) - 0.5 * hollow / float(N_HOLLOWS), 0.0, 0.0, 1.0);
 }`;
 
 export const PAINT_FRAGMENT = `

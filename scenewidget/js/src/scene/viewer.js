@@ -56,6 +56,7 @@ const SWIFT_MS = 12; // one that takes less can be drawn twice as fine, which sm
 const COARSE_FACES = 120_000;
 const FRAME_FACES = 20_000; // that a segment is framed by
 const MOST_SMOOTH = 40e6; // pixels that are drawn twice as fine along each side
+const DRAFT = 0.5; // pixels of a drawing while moving, along each side of one on the screen
 const ORBIT_SPEED = 0.0075; // radians a pixel
 
 // what has to be done again; each implies those below it
@@ -675,7 +676,7 @@ export class Viewer {
       this.snapshot = null;
       this.drawing++;
       const { backFaces } = this.look;
-      const scale = isDraft ? 0.6 : this.isSwift ? 2 : 1;
+      const scale = isDraft ? DRAFT : this.isSwift ? 2 : 1;
       this.renderer.drawFaces(this.camera, { scale, isCoarse: isDraft, backFaces });
     }
     const look = this.#currentLook();
