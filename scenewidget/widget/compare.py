@@ -48,7 +48,7 @@ LETTERS = "ABCDEFGH"
 MOST = len(LETTERS)  # a browser keeps about sixteen pictures
 TABLE_STYLE = "border-collapse:collapse;font-variant-numeric:tabular-nums"
 LISTED = 10  # segments on which the two agree least
-CELL_STYLE = "padding:1px 14px 1px 0;text-align:right"
+CELL_STYLE = "padding:1px 14px 1px 0;text-align:right;white-space:nowrap"
 
 
 class Compare(KnownNames, FaultTolerant, widgets.VBox):
@@ -453,8 +453,7 @@ def _folded(title: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) 
 
     head = "".join(cell("th", value) for value in heads)
     body = "".join(f"<tr>{''.join(cell('td', value) for value in row)}</tr>" for row in rows)
-    table = f'<table style="{TABLE_STYLE}"><tr>{head}</tr>{body}</table>'
-    return f"<details><summary>{title}</summary>{table}</details>"
+    return f"<details><summary>{title}</summary>{_scrolled(head, body)}</details>"
 
 
 def _table(scores: dict[str, dict[str, float]], shares: dict[str, float]) -> str:
@@ -473,4 +472,9 @@ def _table(scores: dict[str, dict[str, float]], shares: dict[str, float]) -> str
     words = [f"{share:.1%}" + (f" ({name})" if len(shares) > 1 else "") for name, share in shares.items()]
     who = "They disagree" if len(shares) == 1 else "The others disagree with A"
     note = f"{who} on {', '.join(words)} of the faces: colour by “Errors” shows where."
-    return f'<table style="{TABLE_STYLE}"><tr><th></th>{head}</tr>{body}</table><div>{note}</div>'
+    return f"{_scrolled(f'<th></th>{head}', body)}<div>{note}</div>"
+
+
+def _scrolled(head: str, body: str) -> str:
+    """A table that a narrow cell moves sideways instead of breaking its words."""
+    return f'<div style="overflow-x:auto"><table style="{TABLE_STYLE}"><tr>{head}</tr>{body}</table></div>'
