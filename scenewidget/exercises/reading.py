@@ -50,7 +50,9 @@ _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Pow: operator.pow,
 }
 _FUNCTIONS = {"sqrt": math.sqrt, "log": math.log, "ln": math.log, "exp": math.exp}
-_LISTS = (list, tuple, set, frozenset)
+_FRAME = "'\"`*$≈~“”„‘’«»"  # what people put around an answer
+_NAMED = r"\b[^\W\d]\w*\s*[=≈]"  # "x ="
+_AND = ("and", "&")
 _CONSTANTS = {"pi": math.pi, "e": math.e}
 
 
@@ -70,7 +72,10 @@ def number(answer: Any) -> float:
     >>> from fractions import Fraction
     >>> [number(answer) for answer in (0.25, "1/4", "25 %", [Fraction(1, 4)], np.array([[0.25]]), "¼ m")]
     [0.25, 0.25, 0.25, 0.25, 0.25, 0.25]
+    >>> number("x ≈ 45°"), number(sparse.eye_array(1))
+    (45.0, 1.0)
     """
+    answer = _plain(answer)
     refuse_nothing(answer)
     if isinstance(answer, (bool, np.bool_)):
         raise UnreadableError("a number is asked for, not True or False")
@@ -80,7 +85,7 @@ def number(answer: Any) -> float:
         raise UnreadableError("a number is asked for, not a function: call it, and give what it returns")
     if isinstance(answer, (int, float)):
         return _finite(answer)
-    if isinstance(answer, np.ndarray) or sparse.issparse(answer) or hasattr(answer, "__iter__"):
+    if isinstance(answer, np.ndarray) or hasattr(answer, "__iter__"):
         entries = list(islice(_entries(answer), 2))
         if len(entries) != 1:
             raise UnreadableError("one number is asked for, not several")
@@ -99,11 +104,14 @@ def numbers(answer: Any) -> list[float]:
     --------
     >>> numbers("1, 1/2; 3"), numbers({"a": 1, "b": (2,)}), numbers(np.arange(2))
     ([1.0, 0.5, 3.0], [1.0, 2.0], [0.0, 1.0])
+    >>> numbers("a = 2 and b = 3")
+    [2.0, 3.0]
     """
+    answer = _plain(answer)
     refuse_nothing(answer)
     if isinstance(answer, (str, bytes)):
-        parts = [part for part in re.split(r"[,;\s]+", _text(answer).strip("[](){} ")) if part]
-        return [number(part) for part in parts]
+        text = re.sub(_NAMED, " ", _text(answer)).strip(f"[](){{}} {_FRAME}")
+        return [number(part) for part in re.split(r"[,;\s]+", text) if part and part.casefold() not in _AND]
     if not hasattr(answer, "__iter__") or (isinstance(answer, np.ndarray) and answer.ndim == 0):
         return [number(answer)]
     found = list(islice(_entries(answer), LONGEST + 1))
@@ -117,18 +125,18 @@ def word(answer: Any) -> str:
 
     Examples
     --------
-    >>> word(" 'Right  Tip' "), word(["More."])
-    ('right tip', 'more')
+    >>> word(" 'Right  Tip' "), word(["More."]), word({"answer": "“yes”"})
+    ('right tip', 'more', 'yes')
     """
+    answer = _plain(answer)
     refuse_nothing(answer)
-    is_one = (
-        answer.size if isinstance(answer, np.ndarray) else isinstance(answer, _LISTS) and len(answer)
-    ) == 1
-    if is_one:
-        return word(answer.item() if isinstance(answer, np.ndarray) else next(iter(answer)))
-    if not isinstance(answer, (str, bytes)):
+    if isinstance(answer, (str, bytes)):
+        return " ".join(_text(answer).casefold().strip(f" \t\n.,;!{_FRAME}").split())
+    is_list = isinstance(answer, np.ndarray) or (hasattr(answer, "__iter__") and not isinstance(answer, type))
+    entries = list(islice(_entries(answer), 2)) if is_list else []
+    if len(entries) != 1:
         raise UnreadableError('a word is asked for, in quotes, such as "this"')
-    return " ".join(_text(answer).casefold().strip(" \t\n'\"`.,;!").split())
+    return word(entries[0])
 
 
 def arrays(result: Any, shapes: tuple[tuple[int, ...], ...]) -> tuple[np.ndarray[Any, Any], ...]:
@@ -154,6 +162,7 @@ def rows(result: Any) -> np.ndarray[Any, Any]:
     >>> rows({(0, 1)}).tolist(), rows((i, i + 1) for i in range(2)).tolist()
     ([[0.0, 1.0]], [[0.0, 1.0], [1.0, 2.0]])
     """
+    result = _plain(result)
     if not isinstance(result, np.ndarray):
         if not hasattr(result, "__iter__") or isinstance(result, (str, bytes, Mapping)):
             raise UnreadableError("pairs are asked for, in a list or an array with two columns")
@@ -165,8 +174,7 @@ def rows(result: Any) -> np.ndarray[Any, Any]:
         raise UnreadableError("pairs are asked for, in a list or an array with two columns")
     if result.size > 2 * LONGEST:
         raise UnreadableError("that is a very long list: far fewer pairs are asked for")
-    found: np.ndarray[Any, Any] = result.astype(np.float64)
-    return found
+    return _real(result)
 
 
 def _array(result: Any, shape: tuple[int, ...]) -> np.ndarray[Any, Any]:
@@ -180,13 +188,37 @@ def _array(result: Any, shape: tuple[int, ...]) -> np.ndarray[Any, Any]:
     if math.prod(result.shape) != math.prod(shape) and not is_diagonal:
         raise UnreadableError(f"of shape {wanted} is asked for, yours is {got or 'a single number'}")
     dense = result.toarray() if sparse.issparse(result) else np.asarray(result)
-    if dense.dtype == object or dense.dtype.kind not in "biuf":
+    if dense.dtype == object or dense.dtype.kind not in "biufc":
         dense = dense.astype(np.float64)  # fractions, whole numbers of any size; texts that are numbers
     if is_diagonal:
         if np.count_nonzero(dense - np.diag(np.diagonal(dense))):
             raise UnreadableError("a diagonal is asked for, yours has entries beside it")
         dense = np.diagonal(dense)
-    return dense.astype(np.float64).reshape(shape)
+    return _real(dense).reshape(shape)
+
+
+def _real(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """As floats; what has an imaginary part is told."""
+    if array.dtype.kind == "c":
+        if np.any(array.imag):
+            raise UnreadableError("real numbers are asked for, yours have an imaginary part")
+        array = array.real
+    found: np.ndarray[Any, Any] = array.astype(np.float64)
+    return found
+
+
+def _plain(answer: Any) -> Any:
+    """An array for what is as good as one, sparse matrices and tables among it, unless it is huge."""
+    is_sparse = sparse.issparse(answer)
+    if type(answer) is np.ndarray or not (is_sparse or hasattr(answer, "__array__")):
+        return answer
+    if isinstance(answer, (type, np.generic)):
+        return answer
+    if np.ma.is_masked(answer):
+        raise UnreadableError("nothing may be masked in it")
+    if math.prod(getattr(answer, "shape", ())) > MOST:
+        raise UnreadableError("that is a very long list: far fewer entries are asked for")
+    return answer.toarray() if is_sparse else np.asarray(answer)
 
 
 def _n_entries(result: Any, depth: int = 0) -> int:
@@ -222,15 +254,13 @@ def refuse_nothing(answer: Any) -> None:
     elif isinstance(answer, np.ndarray):
         if answer.size == 0:
             raise UnansweredError
-    elif hasattr(answer, "__len__") and not sparse.issparse(answer) and len(answer) == 0:
+    elif hasattr(answer, "__len__") and len(answer) == 0:
         raise UnansweredError
 
 
 def _entries(answer: Any) -> Iterator[Any]:
     if isinstance(answer, np.ndarray):
         return iter(answer.reshape(-1)[: LONGEST + 1])
-    if sparse.issparse(answer):
-        raise UnreadableError("numbers are asked for, not a sparse matrix")
     if isinstance(answer, Mapping):
         return iter(answer.values())
     several: Iterable[Any] = answer
@@ -261,7 +291,7 @@ def _calculated(text: str) -> float:
     """A formula in numbers; a unit after it is taken off."""
     for sign, meaning in _WORDS.items():
         text = text.replace(sign, meaning)
-    text = text.translate(_SIGNS).strip()
+    text = re.sub(_NAMED, "", text.translate(_SIGNS)).strip(f" {_FRAME}").rstrip("° ")
     share = 0.01 if text.endswith("%") else 1.0
     text = re.sub(r"(?<=\d),(?=\d)", ".", text.rstrip("% "))
     text = re.sub(r"sqrt\s+(\d+(?:\.\d+)?|pi)", r"sqrt(\1)", text)

@@ -7,6 +7,7 @@ import time
 from fractions import Fraction
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -387,3 +388,46 @@ def test_one_command_writes_the_solutions(tmp_path, capsys):
     with pytest.raises(SystemExit):
         main(["solutions", str(tmp_path / "file")])
     assert "FOLDER must be a folder" in capsys.readouterr().err
+
+
+class OnlyAnArray:
+    """As tensors of other packages: a number or numbers that NumPy can ask for, and nothing else."""
+
+    def __init__(self, values):
+        self.values = np.asarray(values)
+
+    def __array__(self, dtype=None, copy=None):
+        return self.values
+
+
+@pytest.mark.parametrize(
+    ("name", "answer"),
+    [
+        *(("03.1", answer) for answer in ("r = 1/4", "≈ 0.25 m", "$0.25$", np.matrix([[0.25]]))),
+        *(("03.1", answer) for answer in (OnlyAnArray(0.25), pd.DataFrame({"r": [0.25]}), 0.25 + 0j)),
+        ("03.1", sparse.dok_array([[0.25]])),
+        ("03.5", "80°"),
+        ("14.1", "x = 2 and y = 3"),
+        ("14.1", OnlyAnArray([2, 3])),
+        *(("14.4", answer) for answer in ("“biharmonic”", "*biharmonic*", pd.Series(["biharmonic"]))),
+        ("14.4", (word for word in ["biharmonic"])),
+        ("02.5", lambda faces: pd.DataFrame(ALL["02.5"].right(faces))),
+        ("10.7", lambda a, b, areas: areas[a & b].sum() / areas[a | b].sum() + 0j),
+    ],
+)
+def test_what_is_as_good_as_a_number_a_list_or_a_word_is_read(name, answer):
+    assert exercises.verdict(name, answer).is_right
+
+
+@pytest.mark.parametrize(
+    ("name", "answer", "sentence"),
+    [
+        ("01.2", np.ma.masked, "nothing may be masked"),
+        ("03.1", sparse.coo_array(([0.25], ([0], [0])), shape=(10**9, 10**9)), "very long list"),
+        ("10.7", lambda a, b, areas: 1j, "imaginary part"),
+    ],
+)
+def test_what_only_looks_like_an_answer_is_told(name, answer, sentence):
+    found = exercises.verdict(name, answer)
+    assert not found.is_right
+    assert sentence in found.text
