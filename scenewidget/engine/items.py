@@ -32,6 +32,7 @@ from scenewidget.engine.mesh import (
     connected_components,
     face_adjacency,
     in_order,
+    taken,
 )
 from scenewidget.engine.moments import Moments, group_moments, mean_normals, moment_origin
 from scenewidget.engine.monitor import SILENT, Monitor
@@ -436,7 +437,7 @@ def superfacet_items(
     ordered, island = mesh.chosen(order), island[order]
     place = np.empty(mesh.n_faces, dtype=np.int32)
     place[order] = np.arange(mesh.n_faces, dtype=np.int32)
-    pairs = in_order(*place[pairs.T])
+    pairs = in_order(*taken(place, pairs.ravel()).reshape(-1, 2).T)
     areas = np.bincount(island, ordered.face_areas)
     scales = np.array(units)
     item, face_map = np.empty(mesh.n_faces, np.int32), np.empty(mesh.n_faces, np.int32)

@@ -398,8 +398,13 @@ def _shared_edges(mesh: Mesh) -> IntArray:
     face: IntArray
     if fits:
         codes.sort()
-        face = (codes & ((1 << n.bit_length()) - 1)).astype(np.int32)
-        codes >>= n.bit_length()
+        face = np.empty(len(codes), dtype=np.int32)
+
+        def apart(rows: slice) -> None:
+            face[rows] = codes[rows] & ((1 << n.bit_length()) - 1)
+            codes[rows] >>= n.bit_length()
+
+        by_parts(apart, len(codes))
     else:
         order = np.argsort(codes)
         face = (np.flatnonzero(is_edge.ravel())[order] % n).astype(np.int32)

@@ -33,6 +33,7 @@ from scenewidget.engine.mesh import (
     weld,
 )
 from scenewidget.engine.monitor import SILENT, Monitor
+from scenewidget.engine.threads import by_parts
 
 __all__ = ["Simplified", "filter_normals", "keep_components", "neighbor_table", "simplify"]
 
@@ -537,12 +538,19 @@ def neighbor_table(n_items: int, pairs: IntArray) -> tuple[IntArray, IntArray]:
     >>> starts.tolist(), neighbors.tolist()
     ([0, 1, 3, 4], [1, 0, 2, 1])
     """
-    one, other = np.asarray(pairs, dtype=np.int64).reshape(-1, 2).T
-    code = np.concatenate([one << 32 | other, other << 32 | one])
-    code.sort()
-    count = np.bincount(one, minlength=n_items) + np.bincount(other, minlength=n_items)
-    starts = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
-    return starts, code.astype(np.uint32).view(np.int32)  # the lower half
+    n = len(pairs)
+    code, out = np.empty((2, n), dtype=np.int64), np.empty(2 * n, dtype=np.int32)
+
+    def both_ways(rows: slice) -> None:
+        one, other = np.ascontiguousarray(pairs[rows].T, dtype=np.int64)
+        code[0, rows], code[1, rows] = one << 32 | other, other << 32 | one
+
+    by_parts(both_ways, n)
+    codes = code.ravel()
+    codes.sort()
+    by_parts(lambda rows: np.bitwise_and(codes[rows], 0xFFFFFFFF, out=out[rows], casting="unsafe"), 2 * n)
+    count = np.bincount(np.asarray(pairs, dtype=np.int64).ravel(), minlength=n_items)
+    return np.concatenate([[0], np.cumsum(count)]).astype(np.int32), out
 
 
 def filter_normals(

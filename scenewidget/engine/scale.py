@@ -7,6 +7,7 @@ cups what a room is to its furniture: the method looks at it through the same th
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -22,7 +23,7 @@ from scenewidget.engine.mesh import (
     ties,
     unique_codes,
 )
-from scenewidget.engine.threads import at_once, by_parts, one_blas_thread
+from scenewidget.engine.threads import at_once, by_parts, one_blas_thread, parts
 
 __all__ = ["far_apart", "geometric_order", "own_frame", "principal_axes", "scene_scale"]
 
@@ -136,17 +137,27 @@ def principal_axes(points: FloatArray, weights: FloatArray) -> tuple[FloatArray,
     >>> (axes[:, 0].round(1) + 0.0).tolist(), spread.round(1).tolist()
     ([-0.1, -1.0, 0.0], [5.6, 0.2, 0.0])
     """
-    share = weights / max(float(_sums(weights[None])[0]), 1e-300)
-    apart = points - _sums(points.T * share)
-    x, y, z = np.ascontiguousarray(apart.T)
-    products = np.empty((6, len(points)))
-    for product, (one, other) in zip(products, ((x, x), (x, y), (x, z), (y, y), (y, z), (z, z))):
-        np.multiply(one, other, out=product)
-    products *= share
-    values, axes = np.linalg.eigh(_sums(products)[[[0, 1, 2], [1, 3, 4], [2, 4, 5]]])
+    n = len(points)
+    share = weights / max(float(_sums(lambda rows: weights[None, rows], n)[0]), 1e-300)
+    middle = _sums(lambda rows: points[rows].T * share[rows], n)
+
+    def products(rows: slice) -> FloatArray:
+        x, y, z = np.ascontiguousarray((points[rows] - middle).T)
+        out = np.empty((6, len(x)))
+        for product, (one, other) in zip(out, ((x, x), (x, y), (x, z), (y, y), (y, z), (z, z))):
+            np.multiply(one, other, out=product)
+        out *= share[rows]
+        return out
+
+    values, axes = np.linalg.eigh(_sums(products, n)[[[0, 1, 2], [1, 3, 4], [2, 4, 5]]])
     values, axes = np.maximum(values[::-1], 0.0), axes[:, ::-1]
-    along = turned(apart, axes).T
-    skew = _sums(share * along * along * along)
+
+    def cubes(rows: slice) -> FloatArray:
+        along = ((points[rows] - middle) @ axes).T
+        return np.asarray(share[rows] * along * along * along)
+
+    with one_blas_thread():
+        skew = _sums(cubes, n)
     nearest = axes[np.abs(axes).argmax(axis=0), range(3)]
     is_known = np.abs(skew) > ALIKE * float(values.sum()) ** 1.5
     return axes * np.where(np.where(is_known, skew, nearest) < 0, -1.0, 1.0), values
@@ -173,10 +184,11 @@ def turned(points: FloatArray, axes: FloatArray) -> FloatArray:
     return out
 
 
-def _sums(rows: FloatArray) -> FloatArray:
-    """(n_rows,) sum of each row, so exact that the order of what is in it doesn't show."""
-    total = np.zeros((2, len(rows)))
-    _add(np.ascontiguousarray(rows, dtype=np.float64), total)
+def _sums(rows_of: Callable[[slice], FloatArray], n: int) -> FloatArray:
+    """(n_rows,) sum of each row, so exact that the order of what is in it doesn't show; made part by part."""
+    total = np.zeros((2, len(rows_of(slice(0, 0)))))
+    for part in parts(n):
+        _add(np.ascontiguousarray(rows_of(part), dtype=np.float64), total)
     return np.asarray(total.sum(axis=0))
 
 

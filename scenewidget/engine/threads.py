@@ -16,7 +16,7 @@ from typing import Any
 
 from threadpoolctl import ThreadpoolController  # type: ignore[import-untyped]
 
-__all__ = ["KNOB", "at_once", "by_parts", "n_threads", "one_blas_thread"]
+__all__ = ["KNOB", "at_once", "by_parts", "n_threads", "one_blas_thread", "parts"]
 
 KNOB = "SCENEWIDGET_THREADS"  # variable of the environment, so that processes hand it on
 
@@ -79,14 +79,29 @@ def by_parts(work: Callable[[slice], object], n: int) -> None:
     >>> squares.tolist()
     [0.0, 1.0, 4.0, 9.0, 16.0]
     """
-    parts = [slice(start, min(start + PART, n)) for start in range(0, n, PART)]
-    if len(parts) < 2 or n_threads() == 1:
-        for part in parts:
+    if n <= PART or n_threads() == 1:
+        for part in parts(n):
             work(part)
         return
     with ThreadPoolExecutor(n_threads()) as pool:
-        for _ in pool.map(work, parts):
+        for _ in pool.map(work, parts(n)):
             pass
+
+
+def parts(n: int) -> Iterator[slice]:
+    """Rows 0 to ``n`` in parts whose temporaries stay in a core's cache.
+
+    Parameters
+    ----------
+    n : int
+
+    Examples
+    --------
+    >>> from scenewidget.engine.threads import parts
+    >>> [part.stop for part in parts(100_000)]
+    [65536, 100000]
+    """
+    return (slice(start, min(start + PART, n)) for start in range(0, n, PART))
 
 
 def at_once(*calls: Callable[[], Any]) -> list[Any]:
