@@ -112,7 +112,7 @@ def outline_of(places, width, height, cell=6):
     lines = contour_generator(z=ndimage.binary_fill_holes(largest).astype(float)).lines(0.4)
     return (max(lines, key=len)[::2] - 0.5) * cell
 
-def best_lasso(width, height, turns, only=None):
+def best_lasso(width, height, turns, only=None, without=()):
     """The outline around one thing in one segment that helps most, from here or after some turns."""
     from matplotlib.path import Path as Outline
     labels = w.session.segmentation.labels
@@ -123,7 +123,7 @@ def best_lasso(width, height, turns, only=None):
     found = None
     for index in (np.argsort(ideal, axis=None)[:6] if only is None else [only]):
         segment, thing = np.unravel_index(index, ideal.shape)
-        if ideal[segment, thing] >= 0:
+        if ideal[segment, thing] >= 0 or int(index) in without:
             continue
         is_inside = labels == segment
         for turn in turns:
@@ -166,6 +166,7 @@ N_SIDES = 6
 ORBIT = 140  # pixels of a drag, a sixth of a turn
 TURN = 0.0075 * ORBIT  # radians that it turns by
 MARGINS = (70, 90, 30)  # of the toolbar above, the status line below, the edges
+BELOW = 130  # with the row of options of a tool
 WORTH = 1.2  # times the gain of a merge, from which on the annotator takes up the lasso
 
 
@@ -176,6 +177,9 @@ class Hand:
         self.book, self.page = book, book.page
         self.view = book.view()
         self.view.wait("busy", "false")
+        self.page.wait_for_function(
+            "(root) => Number(root.dataset.segments) > 0", arg=self.view.root.element_handle()
+        )
         self.view.root.get_by_role("button", name="Edit", exact=True).click()
         self.view.wait("mode", "edit")
         self.side = 0
@@ -296,37 +300,42 @@ def path_of(name: str) -> Path:
     return archive if archive.exists() else DATA / f"{name}.ply"
 
 
-def lasso(book: conftest.Notebook, hand: Hand, step: dict) -> bool:
+def lasso(book: conftest.Notebook, hand: Hand, step: dict, failed: list[int]) -> bool:
     """Draw around a thing where that helps clearly more than the next merge or split; whether it was done."""
     size, now = hand.view.size(), step["error"]
     if book.evaluate("'yaw' in w.view._camera") != "True":  # it is told once it has moved
         hand.look_from((hand.side + 1) % N_SIDES)
-    ask = f"best_lasso({size[0]}, {size[1]}, {{}})"
-    found = json.loads(eval(book.evaluate(ask.format(list(range(N_SIDES))))))
+    ask = f"best_lasso({size[0]}, {size[1]}, {{}}, {{}}, {failed})"
+    found = json.loads(eval(book.evaluate(ask.format(list(range(N_SIDES)), None))))
     if found is None or now - found["error"] < WORTH * (now - step.get("after", now)):
         return False
     hand.look_from((hand.side + found["turn"]) % N_SIDES)
-    again = json.loads(eval(book.evaluate(ask.format(f"[0], {found['cell']}"))))  # from where it really is
-    if again is None:
-        return False
-    hand.draw(again["line"])
-    return True
+    again = json.loads(eval(book.evaluate(ask.format("[0]", found["cell"]))))  # from where it really is
+    n = book.evaluate("len(w.session.edits)")
+    if again is not None:
+        hand.draw(again["line"])
+    is_done = book.evaluate("len(w.session.edits)") != n
+    if not is_done:
+        print("  an outline that could not be drawn", flush=True)
+        failed.append(found["cell"])
+    return is_done
 
 
 def correct(book: conftest.Notebook, name: str, target: float, most: int, *, has_tools: bool) -> None:
     """Open a scan and work until the target is reached."""
-    book.open([KERNEL % {"path": str(path_of(name)), "turn": TURN, "margins": MARGINS}])
+    margins = (MARGINS[0], BELOW, MARGINS[2])
+    book.open([KERNEL % {"path": str(path_of(name)), "turn": TURN, "margins": margins}])
     book.run_all()
     hand = Hand(book)
     print(f"{name}: {book.evaluate('w')}", flush=True)
-    unseen, n_drawn, start = 0, 0, time.perf_counter()
+    unseen, n_drawn, failed, start = 0, 0, [], time.perf_counter()
     for _ in range(most):
         step = json.loads(eval(book.evaluate("plan()")))
         n = int(book.evaluate("len(w.session.edits)"))
         print(f"  after {n} edits 1-RI = {step['error']:.4f}", flush=True)
         if step["error"] <= target:
             break
-        if has_tools and lasso(book, hand, step):
+        if has_tools and lasso(book, hand, step, failed):
             n_drawn += 1
             print("  an outline drawn with the lasso", flush=True)
             continue
