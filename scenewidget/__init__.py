@@ -28,6 +28,7 @@ What is where; ``help(sw.segment)`` and so on tell the rest:
 ``baselines``                           methods of others, to compare with
 ``SceneWidget``, ``SceneView``          the widget, and its picture alone
 ``Compare``                             segmentations of a scan beside each other
+``Rooms``                               a scan of many rooms, looked at coarsely, edited room by room
 ``Workbench``                           a queue of segmented scans to correct, for several people
 ``figures``, ``SpectralExplorer``       pictures that teach
 ``exercises``                           answers to the questions of the course, checked
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
     from scenewidget.figures.spectral_explorer import SpectralExplorer
     from scenewidget.hands import agreement, consensus
     from scenewidget.widget.compare import Compare
+    from scenewidget.widget.rooms import Rooms
     from scenewidget.widget.scene_view import SceneView
     from scenewidget.widget.scene_widget import SceneWidget
     from scenewidget.widget.workbench import Workbench
@@ -83,6 +85,7 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "segment": "engine.pipeline",
     "segment_all": "batch.runs",
     "Compare": "widget.compare",
+    "Rooms": "widget.rooms",
     "SceneView": "widget.scene_view",
     "SceneWidget": "widget.scene_widget",
     "Workbench": "widget.workbench",
@@ -98,6 +101,7 @@ __all__ = [
     "Params",
     "Pipeline",
     "PointCloud",
+    "Rooms",
     "SceneView",
     "SceneWidget",
     "Segmentation",

@@ -85,6 +85,8 @@ export function createHand({ model, view, segments, root, send, on }) {
         paint.finish();
         break;
       case "click":
+        model.send({ kind: "click", face: action.face });
+        break;
       case "mark":
       case "close":
         break;
