@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from scenewidget.figures.spectral_explorer import SpectralExplorer
     from scenewidget.hands import agreement, consensus
     from scenewidget.widget.compare import Compare
-    from scenewidget.widget.rooms import Rooms
+    from scenewidget.widget.rooms_widget import Rooms
     from scenewidget.widget.scene_view import SceneView
     from scenewidget.widget.scene_widget import SceneWidget
     from scenewidget.widget.workbench import Workbench
@@ -85,7 +85,7 @@ _HOME = {  # public name -> module that defines it; resolved on first use, so th
     "segment": "engine.pipeline",
     "segment_all": "batch.runs",
     "Compare": "widget.compare",
-    "Rooms": "widget.rooms",
+    "Rooms": "widget.rooms_widget",
     "SceneView": "widget.scene_view",
     "SceneWidget": "widget.scene_widget",
     "Workbench": "widget.workbench",

@@ -15,6 +15,7 @@
 ``suggestions``      merges and splits that are worth a look
 ``annotator``        a simulated person, to count edits
 ``interaction``      time, operation and error of each, in a form in which tools can be compared
+``division``         a scan of many rooms in a folder, a project for each room
 ``formats``          segmentations in the files of other tools
 ===================  ============================================================================
 """
