@@ -17,7 +17,7 @@ PAGES = {  # page -> title and the names of `scenewidget` on it
     "segmenting": ("Segmenting", ["segment", "Params", "Segmentation", "Pipeline", "Cancelled"]),
     "correcting": ("Correcting", ["Session", "export", "import_labels"]),
     "judging": ("Judging", ["evaluate", "agreement", "consensus"]),
-    "many": ("Many scans", ["segment_all", "Workbench"]),
+    "many": ("Many scans", ["segment_all", "Workbench", "Rooms"]),
     "widgets": ("Widgets", ["SceneWidget", "SceneView", "Compare", "SpectralExplorer"]),
 }
 MODULES = ("editing", "datasets", "baselines", "metrics", "figures", "exercises")

@@ -20,7 +20,7 @@ def sheet(corner, along, up, step=0.1):
 
 
 def flat(turn=0.0, door=0.9):
-    """Two rooms of 4 x 4 m with a wall of 12 cm between them and an open door in it; and who is left of it."""
+    """Two rooms of 4 x 4 m, a wall of 12 cm between them with an open door; and who is left of it."""
     high = (0, 0, 2.5)
     pieces = [sheet((0, 0, 0), (8.12, 0, 0), (0, 4, 0)), sheet((0, 4, 2.5), (8.12, 0, 0), (0, -4, 0))]
     pieces += [sheet((8.12, 0, 0), (-8.12, 0, 0), high), sheet((0, 4, 0), (8.12, 0, 0), high)]
