@@ -6,7 +6,8 @@ For each scan of `../shared/data/real` (research only: never copied into the rep
 missing): errors by faces, those without annotation left out; Felzenszwalb at the c that is best for this very
 scan, raw or on 10 k faces, and at c = 4 on 10 k faces; in every row pieces under 0.02 s² m² go to the nearest
 larger one, s = min(1, √(area / 20 m²)). Then the mean IoU (by area / plain, crumbs left out) with the result
-of other seeds, of another order of the faces, at half and double the size, and on 60 k faces.
+of other seeds, of another order of the faces, at half and double the size, and on 60 k faces; and the error
+where few segments are asked for.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from scenewidget.engine.preprocess import simplify
 REAL = Path(__file__).parents[3] / "shared" / "data" / "real"
 SCANS = ("kitchen_12mm", "kitchen_25mm", *(f"tabletop_{i}" for i in range(1, 7)))
 THRESHOLDS = (0.25, 0.6, 1.0, 1.5, 2.5, 4.0, 6.0, 8.0, 11.0, 15.0, 20.0, 28.0, 40.0)
+COARSE = (8, 12, 20, 30)  # segments asked for
 MIN_SIZE, N_SIMPLIFIED = 500, 10_000
 
 
@@ -154,6 +156,11 @@ def main() -> None:
             by_area, plain = agreement(ours[0], labels, mesh.face_areas, crumb(mesh))
             error = errors(mesh, labels, truth)[0]
             print(f"  {what:12} mean IoU {by_area:.3f} / {plain:.3f}, 1-RI {error:.4f}", flush=True)
+        pipe = sw.Pipeline(mesh)
+        for n in () if arguments.no_variants else COARSE:
+            found = pipe.run(sw.Params(n_segments=n))
+            error = errors(mesh, found.labels, truth)[0]
+            print(f"  S = {n:<8} {found.n_segments} segments, 1-RI {error:.4f}", flush=True)
         if not arguments.no_baselines:
             rows = {what: errors(mesh, labels, truth) for what, labels in felzenszwalb(mesh)}
             best = min(rows, key=lambda what: rows[what][0])
