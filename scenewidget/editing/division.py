@@ -88,7 +88,7 @@ class Division:
         Parameters
         ----------
         folder : path
-            Takes about 25 bytes a face.
+            Takes some 40 bytes a face.
         mesh : Mesh
         segmentation : Segmentation, optional
             Of the whole, as `batch.tiles.segment_tiles` makes it: its segments may reach through several
@@ -260,7 +260,10 @@ class Division:
             Another mesh, or a room's file is damaged.
         """
         if not self.is_of(mesh):
-            raise ValueError(f"mesh is not the one that was divided into {str(self.folder)!r}")
+            raise ValueError(
+                f"mesh is not the one that was divided into {str(self.folder)!r}: give that, or the file "
+                "that it came from; one saved anew may have fewer digits"
+            )
         labels = np.full(mesh.n_faces, -1, dtype=np.int64)
         confidence = np.zeros(mesh.n_faces, dtype=np.float32)
         names: dict[int, str] = {}
