@@ -136,7 +136,7 @@ class Division:
                 "mesh": fingerprint(mesh).to_dict(),
                 "is_segmented": segmentation is not None,
             }
-            (half / MARK).write_text(json.dumps(facts), encoding="utf-8")
+            (half / MARK).write_text(json.dumps(facts), encoding="utf-8", newline="\n")
             if place.exists():
                 place.rmdir()  # it is empty
             half.rename(place)
