@@ -40,7 +40,7 @@ CALLED_FROM_OUTSIDE = {
     "_initialize_medoids",  # scikit-learn-extra
     "automatic_value",  # the browser, which spells it in its own way
     "_cache", "on_start", "on_end",  # numba
-    "bar_style",  # ipywidgets
+    "bar_style", "klass",  # ipywidgets, traitlets
     "viewpoint",  # whoever reads a scan with `readers`
     "look_from_above", "look_from_inside",  # scripts, as buttons are for hands
 }  # fmt: skip

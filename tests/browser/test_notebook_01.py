@@ -25,8 +25,8 @@ def test_notebook_01_segments_the_room(notebook):
     n_segments = int(book.evaluate("w.wait().n_segments"))
     view.wait("busy", "false")
     view.wait("segments", str(n_segments))
-    assert n_segments > 10
-    assert colours(view.pixels()) >= 6  # not blank, and segments differ
+    assert n_segments == 6  # what the notebook asked for last
+    assert colours(view.pixels()) >= 4  # not blank, and segments differ
 
     settings = book.page.locator(".swc")
     for label, value in (("Segments S", "40"), ("Cost exponent", "2")):
