@@ -6,7 +6,6 @@ some hundred thousand faces that looks like it from afar. Not in the thesis.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from scipy.sparse.csgraph import dijkstra
 from scenewidget.engine.checks import checked_count
 from scenewidget.engine.gravity import up_direction
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh
+from scenewidget.engine.threads import parts
 
 __all__ = ["coarse_mesh", "rooms_of"]
 
@@ -68,7 +68,7 @@ def rooms_of(mesh: Mesh, *, max_faces: int = 3_000_000) -> IntArray:
     plan = _Plan(coarse_mesh(mesh, MAP_FACES)[0], frame)
     room = np.empty(mesh.n_faces, dtype=np.int64)
     places = np.empty((mesh.n_faces, 2), dtype=np.float32)
-    for some in _chunks(mesh.n_faces):
+    for some in parts(mesh.n_faces, CHUNK):
         corners = mesh.vertices[mesh.faces[some]]
         across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         length = np.linalg.norm(across, axis=1, keepdims=True)
@@ -77,7 +77,7 @@ def rooms_of(mesh: Mesh, *, max_faces: int = 3_000_000) -> IntArray:
         places[some] = ((corners.mean(axis=1) + plan.cell * ahead) @ frame.T)[:, :2]
         room[some] = plan.room_at(places[some])
     waiting: list[IntArray] = [np.flatnonzero(room == k) for k in range(room.max() + 1)]
-    parts: list[IntArray] = []
+    whole: list[IntArray] = []
     while waiting:
         faces = waiting.pop()
         there = places[faces]
@@ -86,9 +86,9 @@ def rooms_of(mesh: Mesh, *, max_faces: int = 3_000_000) -> IntArray:
         if is_low.any():
             waiting += [faces[is_low], faces[~is_low]]
         elif len(faces):
-            parts.append(faces)
+            whole.append(faces)
     out = np.empty(mesh.n_faces, dtype=np.int32)
-    for k, faces in enumerate(sorted(parts, key=lambda faces: (-len(faces), faces[0]))):
+    for k, faces in enumerate(sorted(whole, key=lambda faces: (-len(faces), faces[0]))):
         out[faces] = k
     return out
 
@@ -120,7 +120,7 @@ def coarse_mesh(mesh: Mesh, n_faces: int = 200_000) -> tuple[Mesh, IntArray]:
     n_faces = checked_count("n_faces", n_faces)
     if mesh.n_faces <= n_faces:
         return mesh, np.arange(mesh.n_faces)
-    area = sum(float(_areas(mesh, some).sum()) for some in _chunks(mesh.n_faces))
+    area = sum(float(_areas(mesh, some).sum()) for some in parts(mesh.n_faces, CHUNK))
     side = max(float(np.sqrt(2.0 * area / n_faces)), 1e-9)
     cell_of: IntArray = np.zeros(mesh.n_vertices, dtype=np.int64)
     for low, high, place in zip(*mesh.bounds, mesh.vertices.T, strict=True):
@@ -214,7 +214,3 @@ def _frame(mesh: Mesh) -> FloatArray:
 def _areas(mesh: Mesh, some: slice) -> FloatArray:
     a, b, c = (mesh.vertices[corner] for corner in mesh.faces[some].T)
     return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
-
-
-def _chunks(n: int) -> Iterator[slice]:
-    return (slice(start, min(start + CHUNK, n)) for start in range(0, n, CHUNK))

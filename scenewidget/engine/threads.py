@@ -88,12 +88,14 @@ def by_parts(work: Callable[[slice], object], n: int) -> None:
             pass
 
 
-def parts(n: int) -> Iterator[slice]:
-    """Rows 0 to ``n`` in parts whose temporaries stay in a core's cache.
+def parts(n: int, size: int = PART) -> Iterator[slice]:
+    """Rows 0 to ``n`` in parts whose temporaries stay in a core's cache, or in the memory there is.
 
     Parameters
     ----------
     n : int
+    size : int
+        Rows of a part.
 
     Examples
     --------
@@ -101,7 +103,7 @@ def parts(n: int) -> Iterator[slice]:
     >>> [part.stop for part in parts(100_000)]
     [65536, 100000]
     """
-    return (slice(start, min(start + PART, n)) for start in range(0, n, PART))
+    return (slice(start, min(start + size, n)) for start in range(0, n, size))
 
 
 def at_once(*calls: Callable[[], Any]) -> list[Any]:
