@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from scenewidget.engine.doubt import FITTED, LIMITS, Doubt, Models, doubts, measure_gaps, run_kinds
+from scenewidget.engine.doubt import FITTED, LIMITS, Doubt, Models, doubts, log_odds, measure_gaps, run_kinds
 from scenewidget.engine.mesh import FloatArray, IntArray
 from scenewidget.engine.pieces import Pieces
 from scenewidget.engine.pipeline import segment
@@ -249,7 +249,7 @@ def _each(e: Example, d: Doubt, weights: tuple[float, ...]) -> Rows:
     table, borders = _table(e), d.borders
     is_known, mostly = table.sum(axis=1) > 0, table.argmax(axis=1)
     keep = is_known[borders.first] & is_known[borders.second]
-    odds = weights[0] + borders.measures[keep] @ np.array(weights[1:])
+    odds = log_odds(weights, borders.measures[keep])
     same = np.equal(mostly[borders.first[keep]], mostly[borders.second[keep]])
     return odds[:, None], same.astype(float), np.ones(len(odds))
 
@@ -281,16 +281,17 @@ def _cuts(e: Example, d: Doubt) -> Rows:
 
 def _likeliest(e: Example, d: Doubt, weights: tuple[float, ...]) -> Rows:
     """Whether the sides of the likeliest cut of each segment are mostly of two things; all count alike."""
-    odds, two = [np.empty(0)], [np.empty(0)]
+    measures, two = list[FloatArray](), list[bool]()
     for s, cuts in enumerate(d.cuts):
         if cuts is None or not cuts.n:
             continue
         small = e.things[d.side(s)].sum(axis=0)
         large = e.things[cuts.order].sum(axis=0) - small
         if small.any() and large.any():
-            odds.append(weights[0] + cuts.measures[d.best[s]] @ np.array([weights[1:]]).T)
-            two.append(np.array([small.argmax() != large.argmax()], dtype=float))
-    return np.concatenate(odds)[:, None], np.concatenate(two), np.ones(sum(map(len, two)))
+            measures.append(cuts.measures[d.best[s]])
+            two.append(bool(small.argmax() != large.argmax()))
+    odds = log_odds(weights, np.array(measures).reshape(-1, len(weights) - 1))
+    return odds[:, None], np.array(two, dtype=float), np.ones(len(two))
 
 
 def _faces(e: Example, d: Doubt, kind: str) -> Rows:

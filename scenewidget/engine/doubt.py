@@ -33,6 +33,7 @@ __all__ = [
     "Models",
     "doubts",
     "judged_anew",
+    "log_odds",
     "logistic",
     "measure_borders",
     "measure_cuts",
@@ -449,6 +450,22 @@ def _all_cuts(
     return tuple(out)
 
 
+def log_odds(weights: tuple[float, ...], measures: FloatArray) -> FloatArray:
+    """(n,) log-odds of measures under a model of a constant and a weight of each.
+
+    Parameters
+    ----------
+    weights : (1 + m,) tuple of float
+    measures : (n, m) float64
+
+    Examples
+    --------
+    >>> log_odds((1.0, 2.0), np.array([[0.0], [3.0]])).tolist()
+    [1.0, 7.0]
+    """
+    return np.asarray(weights[0] + measures @ np.asarray(weights[1:]))
+
+
 def logistic(weights: tuple[float, ...], measures: FloatArray) -> FloatArray:
     """(n,) probability of measures under a model of a constant and a weight of each.
 
@@ -462,8 +479,7 @@ def logistic(weights: tuple[float, ...], measures: FloatArray) -> FloatArray:
     >>> logistic((0.0, 1.0), np.array([[0.0], [1.0]])).round(2)
     array([0.5 , 0.73])
     """
-    score = weights[0] + measures @ np.asarray(weights[1:])
-    return np.asarray(1.0 / (1.0 + np.exp(-np.clip(score, -30.0, 30.0))))
+    return np.asarray(1.0 / (1.0 + np.exp(-np.clip(log_odds(weights, measures), -30.0, 30.0))))
 
 
 def judged_anew(p: FloatArray, weights: tuple[float, ...]) -> FloatArray:
