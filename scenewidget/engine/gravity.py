@@ -114,7 +114,7 @@ def up_direction(mesh: Mesh, axes: Sequence[Axis] | None = None) -> FloatArray |
     axes = [axis for axis in axes or large_axes(mesh) if axis.share >= LEAST]
     if not axes:
         return None
-    has_sides = getattr(mesh, "has_sides", True)  # those of a cloud without normals are guesses
+    has_sides = mesh.has_sides  # those of a cloud without normals are guesses
     if (axes[0].along if has_sides else axes[0].share) >= ALONE:
         return _off_the_plane(mesh, axes[0], has_sides=has_sides)
     evidence = right_side_out(mesh.face_centroids, mesh.face_normals, mesh.face_areas)

@@ -239,6 +239,11 @@ class Mesh:
         used = self.vertices if self.is_used.all() else self.vertices[self.is_used]
         return _read_only(np.array([[x.min() for x in used.T], [x.max() for x in used.T]]))
 
+    @property
+    def has_sides(self) -> bool:
+        """Whether it is known which side of the surface normals point to; not of every point cloud."""
+        return True
+
     @cached_property
     def face_vectors(self) -> FloatArray:
         """(n_faces, 3) cross product of two edges: normal direction, length twice the area."""

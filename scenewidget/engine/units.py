@@ -123,7 +123,7 @@ def _above_floor(mesh: Mesh, up: FloatArray) -> tuple[float, float]:
     """How high above the floor half of what faces up beyond it lies, and the whole scan; 0 where unknown."""
     height = mesh.face_centroids @ up
     faces_up = mesh.face_vectors @ up
-    if not getattr(mesh, "has_sides", True):  # of a cloud: part of the floor may look down
+    if not mesh.has_sides:  # of a cloud: part of the floor may look down
         faces_up = np.abs(faces_up)
     is_level = faces_up > 1.9 * mesh.face_areas
     if not is_level.any():
