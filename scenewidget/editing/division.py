@@ -129,6 +129,7 @@ class Division:
                     arrays["labels"] = segmentation.labels[faces]
                     arrays["confidence"] = segmentation.confidence[faces]
                     arrays["names"] = np.array(segmentation.names, dtype=np.str_)
+                    arrays["groups"] = np.array(segmentation.groups, dtype=np.int32)
                 np.savez(half / f"{_name(k)}.npz", **arrays)
             np.savez(half / PICTURE, room=room[shown], **_arrays(coarse))
             facts = {
@@ -267,40 +268,54 @@ class Division:
         labels = np.full(mesh.n_faces, -1, dtype=np.int64)
         confidence = np.zeros(mesh.n_faces, dtype=np.float32)
         names: dict[int, str] = {}
+        groups: dict[int, int] = {}
         fresh = mesh.n_faces  # beyond all labels that the whole can have
         for k in range(len(self.n_faces)):
             arrays = self._read(k)
             if "labels" not in arrays and not self.project(k).exists():
                 self.session(k, params).close()
-            ids, sure, named, kept = self._now(k, arrays)
+            ids, sure, named, grouped, kept = self._now(k, arrays)
             of_whole = fresh + np.arange(int(ids.max(initial=-1)) + 1)
             of_whole[: len(kept)] = kept[: len(of_whole)]
             keep = ids >= 0
             labels[arrays["face"][keep]] = of_whole[ids[keep]]
             confidence[arrays["face"]] = sure
             names = {**{int(of_whole[i]): name for i, name in named.items()}, **names}
+            if k == 0:
+                groups = dict(enumerate(arrays.get("groups", NONE).tolist()))
+            groups |= {int(of_whole[i]): int(of_whole[w]) for i, w in grouped.items()}
             fresh += len(of_whole)
         ids, dense = np.unique(labels, return_inverse=True)
         is_part = bool(ids[0] < 0)
-        words = [names.get(int(i), "") for i in ids[is_part:]]
-        return Segmentation.from_labels(mesh, dense - is_part, names=words, confidence=confidence)
+        named_ids = ids[is_part:].tolist()
+        place = {i: k for k, i in enumerate(named_ids)}
+        return Segmentation.from_labels(
+            mesh,
+            dense - is_part,
+            names=[names.get(i, "") for i in named_ids],
+            confidence=confidence,
+            groups=[place.get(groups.get(i, i), place[i]) for i in named_ids],
+        )
 
     def _now(
         self, room: int, arrays: dict[str, Any]
-    ) -> tuple[IntArray, FloatArray, dict[int, str], IntArray]:
-        """Of a room: segment of each face, confidence, names, and what the whole calls the first segments."""
+    ) -> tuple[IntArray, FloatArray, dict[int, str], dict[int, int], IntArray]:
+        """Of a room: segments, confidence, names, other wholes than before, ids of the first in all."""
         part = _mesh(arrays)
         given = _given(part, arrays)
         if given is not None and not self.project(room).exists():
             names = {k: name for k, name in enumerate(given.names) if name}
-            return given.labels, given.confidence, names, _labels_of(given.labels, arrays["labels"])
+            return given.labels, given.confidence, names, {}, _labels_of(given.labels, arrays["labels"])
         with (
             tempfile.TemporaryDirectory() as copies,  # others may be at work in it, and opening writes
             Session.open(shutil.copy(self.project(room), copies), part) as session,
         ):
             ids = session.atom_segments[session.atoms.face_atom]
             kept = _labels_of(session.automatic.labels, arrays["labels"]) if given is not None else NONE
-            return ids, session.segmentation.confidence, session.segment_names, kept
+            sure = session.segmentation.confidence
+            before, after = dict(enumerate(session.automatic.groups)), session.segment_groups
+            regrouped = {i: after.get(i, i) for i in {*before, *after} if after.get(i, i) != before.get(i, i)}
+            return ids, sure, session.segment_names, regrouped, kept
 
     def _read(self, room: int) -> dict[str, Any]:
         path = self.folder / f"{_name(self._checked(room))}.npz"
@@ -329,8 +344,8 @@ def _given(part: Mesh, arrays: Any) -> Segmentation | None:
     """What the whole's segmentation says of a room; None if there was none."""
     if "labels" not in arrays:
         return None
-    names = arrays["names"].tolist()
-    return Segmentation.from_labels(part, arrays["labels"], names=names, confidence=arrays["confidence"])
+    told = {"names": arrays["names"].tolist(), "groups": arrays.get("groups", ())}
+    return Segmentation.from_labels(part, arrays["labels"], confidence=arrays["confidence"], **told)
 
 
 def _name(room: int) -> str:

@@ -25,6 +25,7 @@ __all__ = [
     "Edit",
     "EditError",
     "FillHoles",
+    "Group",
     "Grow",
     "Merge",
     "Paint",
@@ -76,17 +77,7 @@ class Merge:
     level: Level = "final"
 
     def __post_init__(self) -> None:
-        faces: Any = self.faces
-        if not isinstance(faces, (list, tuple)) and np.ndim(faces) == 0:  # a single face
-            faces = (faces,)
-        if isinstance(faces, bytes) or not isinstance(faces, Iterable):
-            raise TypeError(f"faces must be a face or a sequence of faces, got {self.faces!r:.200}")
-        checked = tuple(dict.fromkeys(_checked_faces("faces", faces)))
-        if not checked:
-            raise ValueError("faces is empty: a merge needs at least one part to move")
-        if len(checked) > MAX_FACES:
-            raise ValueError(f"faces has {len(checked)} entries; one merge takes at most {MAX_FACES}")
-        object.__setattr__(self, "faces", checked)
+        object.__setattr__(self, "faces", _faces(self.faces, "merge"))
         object.__setattr__(self, "onto_face", _face("onto_face", self.onto_face))
         _check_level(self.level)
 
@@ -150,6 +141,36 @@ class Relabel:
     def title(self) -> str:
         """What a history shows."""
         return f"Name {self.name!r}" if self.name else "Remove name"
+
+
+@dataclass(frozen=True)
+class Group:
+    """The segments under ``faces`` are parts of the one under ``onto_face``: cushions of a sofa.
+
+    They stay segments. A part of a part is one of the whole: what has parts brings them along, and a part
+    that others are put onto stands for its whole, unless the whole is put onto it. Without ``onto_face``
+    they are part of nothing any more; a whole lets go of its parts.
+
+    Examples
+    --------
+    >>> Group([4, 9], onto_face=2).title
+    'Group'
+    >>> Group(4)
+    Group(faces=(4,), onto_face=None)
+    """
+
+    faces: tuple[int, ...]
+    onto_face: int | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "faces", _faces(self.faces, "group"))
+        if self.onto_face is not None:
+            object.__setattr__(self, "onto_face", _face("onto_face", self.onto_face))
+
+    @property
+    def title(self) -> str:
+        """What a history shows."""
+        return "Ungroup" if self.onto_face is None else "Group"
 
 
 @dataclass(frozen=True)
@@ -328,11 +349,12 @@ class SmoothBorder:
         object.__setattr__(self, "rounds", checked_count("rounds", self.rounds, most=MOST_RINGS))
 
 
-Edit = Merge | Split | Relabel | Cut | Paint | Slice | Grow | Shrink | FillHoles | SmoothBorder
+Edit = Merge | Split | Relabel | Group | Cut | Paint | Slice | Grow | Shrink | FillHoles | SmoothBorder
 _KINDS: dict[str, type[Edit]] = {
     "merge": Merge,
     "split": Split,
     "relabel": Relabel,
+    "group": Group,
     "cut": Cut,
     "paint": Paint,
     "slice": Slice,
@@ -452,6 +474,19 @@ def _face(name: str, value: Any) -> int:
     if not 0 <= face < 2**31:
         raise ValueError(f"{name} must be the number of a face, from 0, got {face}")
     return face
+
+
+def _faces(value: Any, what: str) -> tuple[int, ...]:
+    """One face or several of them, each once."""
+    several = (value,) if not isinstance(value, (list, tuple)) and np.ndim(value) == 0 else value
+    if isinstance(several, bytes) or not isinstance(several, Iterable):
+        raise TypeError(f"faces must be a face or a sequence of faces, got {value!r:.200}")
+    checked = tuple(dict.fromkeys(_checked_faces("faces", several)))
+    if not checked:
+        raise ValueError(f"faces is empty: a {what} needs at least one part to move")
+    if len(checked) > MAX_FACES:
+        raise ValueError(f"faces has {len(checked)} entries; one {what} takes at most {MAX_FACES}")
+    return checked
 
 
 def _checked_faces(name: str, values: Iterable[Any]) -> Iterable[int]:

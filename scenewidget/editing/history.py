@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from scenewidget.editing.edits import Cut, Edit, EditError, Merge, Paint, kind_of
+from scenewidget.editing.edits import Cut, Edit, EditError, Group, Merge, Paint, kind_of
 from scenewidget.editing.partition import Change, KnownCut, Partition
 from scenewidget.editing.project import Log, Operation
 from scenewidget.engine.segmentation import Segmentation
@@ -265,9 +265,7 @@ def _faces_named(edit: Edit | None) -> tuple[int, ...]:
         return (*edit.faces, edit.onto_face)
     if isinstance(edit, Cut):
         return edit.face_a, edit.face_b
-    if isinstance(edit, Paint):
-        return (
-            *itertools.islice(edit.faces, MOST_LISTED),
-            *(() if edit.onto_face is None else (edit.onto_face,)),
-        )
+    if isinstance(edit, (Paint, Group)):
+        onto = () if edit.onto_face is None else (edit.onto_face,)
+        return (*itertools.islice(edit.faces, MOST_LISTED), *onto)
     return (edit.face,)

@@ -23,6 +23,7 @@ from scenewidget.editing.edits import (
     Edit,
     EditError,
     FillHoles,
+    Group,
     Grow,
     Merge,
     Paint,
@@ -34,7 +35,7 @@ from scenewidget.editing.edits import (
 )
 from scenewidget.engine.atoms import common_refinement
 from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, face_adjacency
-from scenewidget.engine.segmentation import LEVELS, Level, Segmentation
+from scenewidget.engine.segmentation import LEVELS, Level, Segmentation, dense_groups
 
 __all__ = ["Change", "FaceEdit", "KnownCut", "Numbering", "Partition"]
 
@@ -62,6 +63,7 @@ class Change:
     atoms: IntArray  # whose segment changed
     before: IntArray  # their segments
     names: dict[int, str]  # all names before
+    groups: dict[int, int]  # all parts before
     n_atoms: int  # atoms that there were
     next_id: int
     n_faces: int  # that moved
@@ -104,6 +106,7 @@ class Numbering:
     labels: npt.NDArray[np.int32]  # (n_atoms,) dense, 0 the largest by area, -1 unlabeled
     ids: IntArray  # (n_segments,) what stays of each segment over edits
     names: tuple[str, ...]  # "" where a segment has none
+    groups: tuple[int, ...]  # the segment that each is a part of, itself where of none
     confidence: FloatArray  # (n_segments,) mean over the area, 1 where a person decided
     atom_confidence: FloatArray  # (n_atoms,) likewise
 
@@ -148,7 +151,8 @@ class Partition:
         }
         self.segment: IntArray = self.parts["final"].astype(np.int32)
         self.names: dict[int, str] = {i: name for i, name in enumerate(automatic.names) if name}
-        self._first_names = dict(self.names)
+        self.groups: dict[int, int] = {i: whole for i, whole in enumerate(automatic.groups) if whole != i}
+        self._first = self.names, self.groups
         self._next_id = automatic.n_segments
         self._parent: IntArray = np.arange(self.atoms.n)
         self._divided: tuple[tuple[Cut, bytes], BoolArray] | None = None  # last, so that a preview is kept
@@ -208,6 +212,8 @@ class Partition:
             return self._split(edit)
         if isinstance(edit, Relabel):
             return self._relabel(edit)
+        if isinstance(edit, Group):
+            return self._group(edit)
         if isinstance(edit, Cut):
             return self._cut(edit)
         faces, takers = self.destined(edit)
@@ -223,7 +229,7 @@ class Partition:
             before = before[self._ancestors(change.n_atoms)]
             self.segment = np.where(before == -2, self.segment, before)
             self._totals = None
-        self.names = dict(change.names)
+        self.names, self.groups = change.names, change.groups
         self._next_id = change.next_id
         if self._totals is not None:
             self._totals = self._totals[:, : self._next_id + 1]
@@ -280,6 +286,30 @@ class Partition:
         self.names = {**self.names, home: edit.name}
         if not edit.name:
             del self.names[home]
+        return change
+
+    def _group(self, edit: Group) -> Change:
+        self._atom(max(edit.faces))  # says so where there is no such face
+        named = set(self.segment[self.atoms.face_atom[np.array(edit.faces)]].tolist()) - {-1}
+        if not named:
+            raise EditError(f"face {edit.faces[0]} is unlabeled: there is no segment to group")
+        parts = named | {part for part, whole in self.groups.items() if whole in named}
+        if edit.onto_face is None:
+            after = {part: whole for part, whole in self.groups.items() if part not in parts}
+        else:
+            target = self.segment_at(edit.onto_face)
+            if target < 0:
+                raise EditError(f"onto_face {edit.onto_face} is unlabeled: there is no segment to be part of")
+            whole = self.groups.get(target, target)
+            if whole in named and whole != target:  # what was a part is the whole now
+                whole = target
+            after = self.groups | dict.fromkeys(parts, whole)
+            after.pop(whole, None)
+        if after == self.groups:
+            is_so = "is part of nothing" if edit.onto_face is None else "is so already"
+            raise EditError(f"face {edit.faces[0]}: its segment {is_so}")
+        change = self._change(np.empty(0, dtype=np.int64))
+        self.groups = after
         return change
 
     def divide(self, edit: Cut) -> tuple[IntArray, KnownCut]:
@@ -406,7 +436,18 @@ class Partition:
             heir = int(self.segment[moves[change.before == source][0]])
             if source in change.names and heir not in self.names:
                 self.names[heir] = change.names[source]
+            self._inherit(source, heir)
         return change
+
+    def _inherit(self, gone: int, heir: int) -> None:
+        """The parts of a segment that is gone are parts of what has taken it."""
+        if gone not in self.groups and gone not in self.groups.values():
+            return
+        whole = self.groups.get(heir, heir)
+        whole = heir if whole == gone else whole
+        kept = {p: whole if w == gone else w for p, w in self.groups.items() if p != gone}
+        kept.pop(whole, None)
+        self.groups = kept
 
     def _put(self, atoms: IntArray, segments: IntArray | int) -> None:
         """Put atoms into segments, and keep the totals right: that costs what moves, not what there is."""
@@ -430,7 +471,9 @@ class Partition:
 
     def _change(self, atoms: IntArray) -> Change:
         n_faces = int(self.atom_faces[atoms].sum())
-        return Change(atoms, self.segment[atoms], self.names, self.atoms.n, self._next_id, n_faces)
+        return Change(
+            atoms, self.segment[atoms], self.names, self.groups, self.atoms.n, self._next_id, n_faces
+        )
 
     def _refine(self, faces: IntArray, group: IntArray) -> None:
         """Make atoms finer, so that groups of faces can move; costs what the groups have."""
@@ -517,7 +560,10 @@ class Partition:
         confidence = np.divide(sureness, area, out=sureness, where=area > 0)
         by_atom = np.where(self._is_moved & (self._area > 0), 1.0, self._confidence)
         names = tuple(self.names.get(i, "") for i in ids.tolist())
-        return Numbering(labels, ids, names, confidence, by_atom)
+        return Numbering(labels, ids, names, self._dense_groups(ids), confidence, by_atom)
+
+    def _dense_groups(self, ids: IntArray) -> tuple[int, ...]:
+        return dense_groups(ids, np.array([self.groups.get(i, i) for i in ids.tolist()], np.int64))
 
     def _added_up(self) -> FloatArray:
         """`_tally` of all atoms."""
@@ -544,6 +590,7 @@ class Partition:
             labels=labels,
             confidence=confidence,
             names=[self.names.get(i, "") for i in ids.tolist()],
+            groups=self._dense_groups(ids),
             item_labels=None if automatic.face_map is None else self._item_labels(dense),
         )
 
@@ -554,7 +601,7 @@ class Partition:
 
     @property
     def _is_automatic(self) -> bool:
-        return not self._is_moved.any() and self.names == self._first_names
+        return not self._is_moved.any() and (self.names, self.groups) == self._first
 
     def _dense(self) -> tuple[npt.NDArray[np.int32], IntArray]:
         """Label of each atom, and the id of the segment behind each label.

@@ -119,6 +119,7 @@ class Project:
     confidence: npt.NDArray[Any]
     levels: Mapping[str, npt.NDArray[Any]]
     names: tuple[str, ...]
+    groups: tuple[int, ...]
     keys: npt.NDArray[Any] | None
     timings: Mapping[str, float]
     report: Mapping[str, Any]
@@ -148,6 +149,7 @@ class Project:
             confidence=np.asarray(automatic.confidence),
             levels=automatic.levels,
             names=tuple(automatic.names),
+            groups=tuple(automatic.groups),
             keys=automatic.keys,
             timings=automatic.timings,
             report=automatic.report,
@@ -170,6 +172,7 @@ class Project:
             self.confidence,
             levels=dict(self.levels),
             names=self.names,
+            groups=self.groups,
             keys=self.keys,
             timings=self.timings,
             report=self.report,

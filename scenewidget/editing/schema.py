@@ -214,6 +214,7 @@ def _put_segmentation(connection: sqlite3.Connection, project: Project) -> None:
     if project.keys is not None:
         _put_array(connection, "keys", project.keys)
     _put_fact(connection, "names", list(project.names))
+    _put_fact(connection, "groups", list(project.groups))
     _put_fact(connection, "timings", _plain(project.timings))
     _put_fact(connection, "report", _plain(project.report))
     _put_fact(connection, "params", None if project.params is None else dataclasses.asdict(project.params))
@@ -370,6 +371,7 @@ def load_project(connection: sqlite3.Connection, version: int, *, recover: bool)
         confidence=arrays["confidence"],
         levels={level: arrays[f"level/{level}"] for level in LEVELS if f"level/{level}" in arrays},
         names=tuple(str(text) for text in facts["names"]),
+        groups=tuple(facts.get("groups", ())),  # files from before there were any have none
         keys=arrays.get("keys"),
         timings=dict(facts["timings"]),
         report=dict(facts["report"]),

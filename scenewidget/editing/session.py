@@ -24,6 +24,7 @@ from scenewidget.editing.edits import (
     Cut,
     Edit,
     FillHoles,
+    Group,
     Grow,
     Merge,
     Paint,
@@ -183,6 +184,38 @@ class Session(KnownNames):
     def relabel(self, face: int, name: str) -> Step:
         """Name the segment under a face; "" takes the name away."""
         return self.do(Relabel(face, name))
+
+    def group(self, faces: int | Sequence[int], onto_face: int | None = None) -> Step:
+        """The segments under some faces are parts of the one under another: cushions of a sofa.
+
+        They stay segments, and a group is called like its whole. Exports know: ScanNet's objects are whole
+        things, with their parts listed. `Segmentation.things` has every group as one segment.
+
+        Parameters
+        ----------
+        faces : int or sequence of int
+            Where a segment among them has parts, these come along.
+        onto_face : int, optional
+            A face of the whole, or of a part of it. None: they are part of nothing any more, and a whole
+            lets go of its parts.
+
+        Raises
+        ------
+        EditError
+            It is so already.
+
+        Examples
+        --------
+        >>> import scenewidget as sw
+        >>> from scenewidget.datasets import analytic
+        >>> mesh = analytic.square(2)  # 8 triangles
+        >>> session = sw.Session(mesh, sw.Segmentation.from_labels(mesh, [0, 0, 0, 0, 0, 1, 1, 2]))
+        >>> session.group([5, 7], onto_face=0).title
+        'Group'
+        >>> session.segmentation.groups
+        (0, 0, 0)
+        """
+        return self.do(Group(faces, onto_face))  # type: ignore[arg-type]  # Group makes it a tuple
 
     def cut(self, face_a: int, face_b: int) -> Step:
         """Divide the segment under two faces along the cheapest boundary between them.
@@ -485,6 +518,12 @@ class Session(KnownNames):
         """Names by the ids of `atom_segments`; segments without a name are left out."""
         with self._lock:
             return dict(self._history.partition.names)
+
+    @property
+    def segment_groups(self) -> dict[int, int]:
+        """What each segment is a part of, by the ids of `atom_segments`; those of nothing are left out."""
+        with self._lock:
+            return dict(self._history.partition.groups)
 
     def part(self, face: int, level: Level, *, action: Literal["merge", "split"] = "merge") -> BoolArray:
         """(n_atoms,) the atoms that an edit at a face would move; to preview it.

@@ -29,6 +29,8 @@ class Snapshot:
         What stays of each segment over edits, while labels are numbered by area after each.
     names : tuple of str
         By label, "" where a segment has none.
+    groups : tuple of int
+        As `Segmentation.groups`.
     confidence : (n_segments,) float64
         Mean over the area; 1 where a person decided.
     atom_confidence : (n_atoms,) float64
@@ -51,6 +53,7 @@ class Snapshot:
     labels: IntArray
     ids: IntArray
     names: tuple[str, ...]
+    groups: tuple[int, ...]
     confidence: FloatArray
     atom_confidence: FloatArray
 
@@ -66,6 +69,7 @@ class Snapshot:
             numbering.labels,
             numbering.ids,
             numbering.names,
+            numbering.groups,
             numbering.confidence,
             numbering.atom_confidence,
         )

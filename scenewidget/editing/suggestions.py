@@ -486,6 +486,10 @@ class _Look:
         names = np.array([self.partition.names.get(int(i), "") for i in self.ids])
         is_named = names != ""
         out |= is_named[:, None] & is_named[None, :] & (names[:, None] != names[None, :])
+        groups = self.partition.groups
+        whole = np.array([groups.get(int(i), -1) for i in self.ids])
+        whole[np.isin(self.ids, list(groups.values()))] = self.ids[np.isin(self.ids, list(groups.values()))]
+        out |= (whole[:, None] == whole[None, :]) & (whole >= 0)[:, None]  # parts of one thing stay parts
         return out
 
     def in_words(self, found: _Found) -> Suggestion:

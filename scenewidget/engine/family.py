@@ -151,6 +151,7 @@ class Family:
             confidence=None,  # type: ignore[arg-type]  # follows from the doubt
             doubt=find_doubt,
             names=(),
+            groups=(),
             item_labels=item_labels,
             timings={},
         )

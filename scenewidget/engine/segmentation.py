@@ -25,7 +25,14 @@ from scenewidget.engine.pieces import make_pieces
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Level", "Segmentation", "confidence_of", "order_by_area", "segmentation_of_items"]
+__all__ = [
+    "Level",
+    "Segmentation",
+    "confidence_of",
+    "dense_groups",
+    "order_by_area",
+    "segmentation_of_items",
+]
 
 Level = Literal["dihedral", "base", "final"]
 LEVELS: tuple[Level, ...] = ("dihedral", "base", "final")
@@ -68,6 +75,9 @@ class Segmentation:
     doubt : Doubt or callable () → Doubt, optional
         What may be wrong, if it has been found already, or what finds it on first use; kept only as long as
         it is of these ``labels``.
+    groups : sequence of int, optional
+        For each segment the one that it is a part of, itself where of none: a cushion says its sofa. The
+        whole is a segment too, and gives the group its name; a part has no parts of its own.
 
     Examples
     --------
@@ -93,6 +103,7 @@ class Segmentation:
     timings: Mapping[str, float] = field(default_factory=dict)
     report: Mapping[str, Any] = field(default_factory=dict)
     doubt: Doubt | Callable[[], Doubt] | None = field(default=None, repr=False)
+    groups: Sequence[int] = ()
 
     def __post_init__(self) -> None:
         n = self.mesh.n_faces
@@ -124,6 +135,7 @@ class Segmentation:
             ("labels", labels),
             ("levels", MappingProxyType(levels)),
             ("names", names),
+            ("groups", _checked_groups(self.groups, highest + 1)),
             ("keys", keys),
             ("timings", MappingProxyType(dict(self.timings))),
             ("report", MappingProxyType(dict(self.report))),
@@ -171,6 +183,7 @@ class Segmentation:
         *,
         names: Sequence[str] = (),
         confidence: FloatArray | None = None,
+        groups: Sequence[int] = (),
     ) -> Segmentation:
         """A segmentation from any integer labels, renumbered so that 0 is the largest by area.
 
@@ -182,11 +195,21 @@ class Segmentation:
         names : sequence of str, optional
             Name of each label as passed in: ``names[labels[f]]`` is the name of face f's segment.
         confidence : (n_faces,) float, optional
+        groups : sequence of int, optional
+            Label that each label as passed in is a part of, itself where of none. Where that one has no
+            faces, the largest of its parts stands for the whole.
 
         Raises
         ------
         ValueError
-            A wrong length, or a label that ``names`` does not reach.
+            A wrong length, or a label that ``names`` or ``groups`` does not reach.
+
+        Examples
+        --------
+        >>> import scenewidget as sw
+        >>> from scenewidget.datasets.analytic import square
+        >>> sw.Segmentation.from_labels(square(1), [5, 3], groups=[0, 1, 2, 5, 4, 5]).groups
+        (0, 0)
         """
         given = _face_array("labels", np.asarray(labels), mesh.n_faces, np.int64)
         highest = int(given.max(initial=-1))
@@ -195,6 +218,10 @@ class Segmentation:
         dense, kept = order_by_area(given, mesh.face_areas)
         kept_names = tuple(str(names[label]) for label in kept) if names else ()
         optional: Any = {} if confidence is None else {"confidence": confidence}
+        if len(groups):
+            if highest >= len(groups):
+                raise ValueError(f"labels go up to {highest}, but groups has only {len(groups)} entries")
+            optional["groups"] = dense_groups(kept, np.asarray(groups)[kept])
         return cls(mesh, dense, names=kept_names, **optional)
 
     def __repr__(self) -> str:
@@ -210,6 +237,28 @@ class Segmentation:
     def coverage(self) -> float:
         """Share of the faces that carry a label."""
         return float(np.mean(self.labels >= 0))
+
+    def things(self) -> Segmentation:
+        """The same with every group one segment, called like its whole: what to judge against whole things.
+
+        Returns
+        -------
+        Segmentation
+            Without levels and keys; the segmentation itself where nothing is grouped.
+
+        Examples
+        --------
+        >>> import scenewidget as sw
+        >>> from scenewidget.datasets.analytic import square
+        >>> names = ["sofa", "cushion"]
+        >>> found = sw.Segmentation.from_labels(square(1), [0, 1], names=names, groups=[0, 0])
+        >>> found.things().names
+        ('sofa',)
+        """
+        if all(whole == segment for segment, whole in enumerate(self.groups)):
+            return self
+        labels = np.append(np.array(self.groups, np.int64), -1)[self.labels]
+        return self.from_labels(self.mesh, labels, names=self.names, confidence=self.confidence)
 
     def level(self, level: Level) -> IntArray:
         """(n_faces,) int32 part ids of a recommendation level, -1 unlabeled (thesis 3.6).
@@ -375,8 +424,10 @@ class Segmentation:
         )
 
     def to_frame(self) -> pd.DataFrame:
-        """A row a segment: name, faces, area (m²), centroid (m), normal, flatness, size (m), confidence.
+        """A row a segment: name, group, faces, area (m²), centroid (m), normal, flatness, size, confidence.
 
+        The group is the segment that it is a part of, itself where of none: ``groupby("group")`` has a row a
+        thing.
         The centroid and the area-weighted mean normal are tuples of three; flatness is λ2/λ0 of the
         scatter matrix, 0 for a plane; size is that of the smallest upright box, z up: the longer and the
         shorter side of its plan and its height, see `boxes`; confidence is the mean over the area.
@@ -394,6 +445,7 @@ class Segmentation:
         return pd.DataFrame(
             {
                 "name": list(self.names),
+                "group": list(self.groups),
                 "faces": np.bincount(inside, minlength=n),
                 "area": moments.area,
                 "centroid": [tuple(row) for row in centroid.tolist()],
@@ -543,6 +595,48 @@ def order_by_area(labels: IntArray, areas: FloatArray) -> tuple[IntArray, IntArr
     rank[order] = np.arange(len(order), dtype=np.int32)
     out[keep] = rank[inverse]
     return out, old[order]
+
+
+def dense_groups(kept: IntArray, wholes: IntArray) -> tuple[int, ...]:
+    """Groups by the numbers of segments, from groups by other ids.
+
+    Parameters
+    ----------
+    kept : (n_segments,) int
+        Id of each segment, the largest first.
+    wholes : (n_segments,) int
+        Id that all parts of a thing share, of the segment that is the whole if there is one.
+
+    Returns
+    -------
+    groups : tuple of int
+        As `Segmentation.groups`. Where no segment has the shared id, the first of the parts is the whole.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.segmentation import dense_groups
+    >>> dense_groups(np.array([7, 3, 4]), np.array([4, 3, 4]))
+    (2, 1, 2)
+    """
+    place = {whole: k for k, whole in reversed(list(enumerate(wholes.tolist())))}
+    place |= {i: k for k, (i, whole) in enumerate(zip(kept.tolist(), wholes.tolist())) if i == whole}
+    return tuple(place[whole] for whole in wholes.tolist())
+
+
+def _checked_groups(groups: Sequence[int], n: int) -> tuple[int, ...]:
+    found = [int(whole) if hasattr(whole, "__index__") else -1 for whole in groups]
+    if found == list(range(len(found))):  # which says nothing, of however many segments
+        return tuple(range(n))
+    if len(found) != n:
+        raise ValueError(f"groups must have one entry a segment: {n}, got {len(found)}")
+    for segment, whole in enumerate(found):
+        if not 0 <= whole < n or found[whole] != whole:
+            raise ValueError(
+                f"groups says that segment {segment} is a part of {groups[segment]!r:.60}, which must be a "
+                "segment, and no part itself"
+            )
+    return tuple(found)
 
 
 def _checked_keys(keys: Any, base: IntArray | None) -> IntArray:

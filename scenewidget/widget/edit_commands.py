@@ -33,7 +33,7 @@ FREE_FORM = {  # edits face by face: what a message may say of each
     "fill_holes": ("face", "max_faces"),
     "smooth_border": ("face", "rounds"),
 }
-KINDS = ("merge", "split", "relabel", "cut", *FREE_FORM, "undo", "redo", "go_to")
+KINDS = ("merge", "split", "relabel", "group", "cut", *FREE_FORM, "undo", "redo", "go_to")
 MOST_STEPS = 300  # so many of the done steps are listed, and so many of the undone
 
 
@@ -175,6 +175,8 @@ class EditCommands:
             session.merge(message["face"], message["onto_face"], message["level"])
         elif kind == "split":
             session.split(message["face"], message["level"])
+        elif kind == "group":
+            session.group(message["face"], message["onto_face"])
         elif kind == "cut":
             session.cut(message["face_a"], message["face_b"])
         else:

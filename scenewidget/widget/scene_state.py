@@ -208,6 +208,9 @@ class SceneState(KnownNames, FaultTolerant, anywidget.AnyWidget):
     segment_names = traitlets.Dict(read_only=True).tag(sync=True)
     """Names by the number of the segment, as text."""
 
+    segment_groups = traitlets.Dict(read_only=True).tag(sync=True)
+    """What a segment is a part of, by its number as text; those of nothing are left out."""
+
     revision = traitlets.Int(0, read_only=True).tag(sync=True)
     """Grows whenever other segments are shown."""
 

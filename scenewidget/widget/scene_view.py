@@ -268,6 +268,7 @@ class SceneView(SceneState):
             snapshot.parts,
             snapshot.labels,
             names={segment: name for segment, name in enumerate(snapshot.names) if name},
+            groups={segment: whole for segment, whole in enumerate(snapshot.groups) if whole != segment},
             confidence=snapshot.confidence,
             atom_confidence=snapshot.atom_confidence,
             ids=snapshot.ids,
@@ -285,6 +286,7 @@ class SceneView(SceneState):
         atom_confidence: FloatArray | None,
         ids: IntArray | None,
         keeps_ids: bool,
+        groups: Mapping[int, int] | None = None,
     ) -> None:
         """Send what `set_segments` and `show_snapshot` have brought to tables over atoms."""
         if names is not None and not isinstance(names, Mapping):
@@ -307,6 +309,7 @@ class SceneView(SceneState):
             self._put("atom_confidence", unit_codes(by_atom))
             self.set_trait("n_segments", int(np.count_nonzero(self._colors.sizes)))
             self.set_trait("segment_names", {str(i): str(name) for i, name in (names or {}).items()})
+            self.set_trait("segment_groups", {str(i): whole for i, whole in (groups or {}).items()})
             self.set_trait("revision", self.revision + 1)
             if self.color_by in ("scan", "shaded") and self.revision == 1:
                 self.color_by = "segments"
@@ -337,6 +340,7 @@ class SceneView(SceneState):
             self.set_trait("levels", [])
             self.set_trait("n_segments", 0)
             self.set_trait("segment_names", {})
+            self.set_trait("segment_groups", {})
             self.set_trait("revision", self.revision + 1)
 
     def set_partition(

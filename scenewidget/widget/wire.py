@@ -22,6 +22,8 @@ Only in ``mode="edit"``; faces are those of the mesh as given, ``level`` a name 
     the ``point`` of a slice counts from `middle_of` the mesh. They name faces of the scan alone, so they are
     done whatever segmentation has come meanwhile.
 ``{"kind": "relabel", "face": 12, "name": "chair", "revision": 3}``
+``{"kind": "group", "face": [12, 40], "onto_face": 7, "revision": 3}``
+    Without ``onto_face`` (null) they are part of nothing any more.
 ``{"kind": "suggest", "do": "next", "number": 0}``
     Or "accept", "skip", "close": of the ``suggestion`` that has this number; or "names": give those that the
     shapes tell.

@@ -11,6 +11,7 @@ from scenewidget.editing.edits import (
     Cut,
     EditError,
     FillHoles,
+    Group,
     Grow,
     Merge,
     Paint,
@@ -21,7 +22,7 @@ from scenewidget.editing.edits import (
     Split,
 )
 from scenewidget.editing.session import Session
-from scenewidget.engine.segmentation import LEVELS, Segmentation, order_by_area
+from scenewidget.engine.segmentation import LEVELS, Segmentation, dense_groups, order_by_area
 
 NAMES = ("", "chair", "Tür", "a" * 200, "<b>&\"'", "=1+1")
 
@@ -41,7 +42,12 @@ def segmentations(draw, meshes=None):
         "base": rng.integers(-1, 8, mesh.n_faces).astype(np.int32),
     }
     names = [draw(st.sampled_from(NAMES)).strip() for _ in range(int(dense.max()) + 1)]
-    return Segmentation(mesh, dense, rng.random(mesh.n_faces, np.float32), levels=levels, names=names)
+    wholes = np.arange(len(names))
+    if draw(st.booleans()):
+        wholes = rng.integers(0, len(names), len(names))
+    groups = dense_groups(np.arange(len(names)), wholes)
+    confidence = rng.random(mesh.n_faces, np.float32)
+    return Segmentation(mesh, dense, confidence, levels=levels, names=names, groups=groups)
 
 
 def edits(n_faces):
@@ -55,6 +61,7 @@ def edits(n_faces):
         st.builds(Merge, st.lists(face, min_size=1, max_size=3).map(tuple), face, level),
         st.builds(Split, face, level),
         st.builds(Relabel, face, st.sampled_from(NAMES)),
+        st.builds(Group, st.lists(face, min_size=1, max_size=3).map(tuple), st.none() | face),
         st.builds(Paint, st.lists(face, min_size=1, max_size=20), st.none() | face),
         st.builds(Slice, face, vector, vector.filter(any)),
         st.builds(Grow, face, few),
@@ -78,7 +85,7 @@ def assert_same(one, other):
     """Two segmentations are the same to the last bit."""
     np.testing.assert_array_equal(one.labels, other.labels)
     np.testing.assert_array_equal(one.confidence, other.confidence)
-    assert tuple(one.names) == tuple(other.names)
+    assert (tuple(one.names), one.groups) == (tuple(other.names), other.groups)
     assert one.levels.keys() == other.levels.keys()
     for level in one.levels:
         np.testing.assert_array_equal(one.level(level), other.level(level))

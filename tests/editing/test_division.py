@@ -20,7 +20,7 @@ def whole(mesh):
     """Two segments that reach through both halves of the scan, and a face of nobody."""
     labels = (mesh.face_centroids[:, 1] > 1.0).astype(int)
     labels[-1] = -1
-    return sw.Segmentation.from_labels(mesh, labels, names=["floor", ""])
+    return sw.Segmentation.from_labels(mesh, labels, names=["floor", ""], groups=[1, 1])
 
 
 def test_untouched_rooms_give_the_whole_back(tmp_path, mesh, whole):
@@ -28,7 +28,7 @@ def test_untouched_rooms_give_the_whole_back(tmp_path, mesh, whole):
     assert rooms.n_faces == (16, 16)
     found = Division.open(tmp_path / "flat").segmentation(mesh)
     assert (found.labels == whole.labels).all()
-    assert found.names == whole.names
+    assert (found.names, found.groups) == (whole.names, (1, 1))
     assert (found.confidence == whole.confidence).all()
 
 
@@ -45,6 +45,7 @@ def test_what_is_split_in_one_room_stays_one_in_the_other(tmp_path, mesh, whole)
     inside = {tuple(place) for place in part.face_centroids[of_zero[:3]].round(6)}
     is_carpet = np.array([tuple(place) in inside for place in mesh.face_centroids.round(6)])
     assert (np.array(found.names)[found.labels[is_carpet]] == "carpet").all()
+    assert found.groups == (0, 0, 2)
     before, after = whole.labels[~is_carpet], found.labels[~is_carpet]
     assert sw.metrics.rand_index_error(before, after) == 0
     assert ((before < 0) == (after < 0)).all()

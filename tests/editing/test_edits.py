@@ -9,6 +9,7 @@ from hypothesis import given
 from scenewidget.editing.edits import (
     Cut,
     FillHoles,
+    Group,
     Grow,
     Merge,
     Paint,
@@ -35,6 +36,7 @@ def test_edits_survive_json(case):
      {"kind": "split", "face": "0"}, {"kind": "merge", "faces": 5.0, "onto_face": 1},
      {"kind": "merge", "faces": "12", "onto_face": 1}, {"kind": "split", "face": 2**40},
      {"kind": "split", "face": 0, "level": []}, {"kind": ["split"]},
+     {"kind": "group", "faces": []}, {"kind": "group", "faces": [1], "onto_face": "2"},
      {"kind": "paint"}, {"kind": "paint", "ranges": []}, {"kind": "paint", "ranges": [0]},
      {"kind": "paint", "ranges": [3, 3]}, {"kind": "paint", "ranges": [0, 2, 2, 3]},
      {"kind": "paint", "ranges": [-1, 3]}, {"kind": "paint", "ranges": [0, 2**40]},
@@ -55,7 +57,7 @@ def test_damaged_edits_are_refused(data):
 def test_titles_are_what_a_history_shows():
     edits = [Merge(3, 5), Merge([3, 4, 3], 5), Split(3), Relabel(3, "chair"), Relabel(3, ""), Cut(3, 5)]
     edits += [Paint([3], 5), Paint([3, 4]), Slice(0, (0, 0, 0), (0, 0, 1)), Grow(3), Shrink(3)]
-    edits += [FillHoles(3), SmoothBorder(3)]
+    edits += [FillHoles(3), SmoothBorder(3), Group([3, 4], 5), Group(3)]
     titles = ["Merge", "Merge 2 parts", "Split", "Name 'chair'", "Remove name", "Cut"]
     titles += [
         "Paint 1 face",
@@ -65,6 +67,8 @@ def test_titles_are_what_a_history_shows():
         "Shrink",
         "Fill holes",
         "Smooth border",
+        "Group",
+        "Ungroup",
     ]
     assert [edit.title for edit in edits] == titles
 

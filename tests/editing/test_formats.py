@@ -1,5 +1,6 @@
 """Every format out and in again, and each file read by a program that isn't ours."""
 
+import dataclasses
 import json
 import struct
 import zipfile
@@ -102,6 +103,35 @@ def test_any_segmentation_comes_back_by_majority(tmp_path, segmentation, name):
     sw.export(segmentation, mesh, tmp_path / name, **({"per": "vertex"} if name == "v.ply" else {}))
     back = sw.import_labels(mesh, tmp_path / name)
     np.testing.assert_array_equal(back.labels, Segmentation.from_labels(mesh, values).labels)
+
+
+@pytest.mark.parametrize("name", ["a.ply", "a.npz", "a.glb", "s.aggregation.json", "n.xml"])
+def test_groups_come_back(tmp_path, name):
+    mesh, seg = room(unlabeled=False)
+    names = ["wall", "cushion", "sofa", "", "cushion", ""]
+    seg = dataclasses.replace(seg, names=names, groups=(0, 2, 2, 3, 2, 0))
+    sw.export(seg, mesh, tmp_path / name)
+    back = sw.import_labels(mesh, tmp_path / name)
+    words = [(back.names[k], back.names[whole]) for k, whole in enumerate(back.groups)]
+    assert sorted(words) == sorted((names[k], names[whole]) for k, whole in enumerate(seg.groups))
+
+
+def test_a_group_is_one_object_to_others(tmp_path):
+    mesh, seg = room(unlabeled=False)
+    seg = dataclasses.replace(seg, names=["sofa", "cushion", "wall", "", "", ""], groups=(0, 0, 2, 3, 4, 5))
+    sw.export(seg, mesh, tmp_path / "s.aggregation.json")
+    content = json.loads((tmp_path / "s.aggregation.json").read_text())
+    sofa, *others = content["segGroups"]
+    assert [group["label"] for group in content["segGroups"]] == ["sofa", "wall", *["unannotated"] * 3]
+    assert [part["label"] for part in sofa["parts"]] == ["sofa", "cushion"]
+    assert sorted(sofa["segments"]) == sorted(number for part in sofa["parts"] for number in part["segments"])
+    assert not any("parts" in group for group in others)
+    sw.export(seg, mesh, tmp_path / "a.glb")
+    content = pygltflib.GLTF2().load(tmp_path / "a.glb")
+    node = {node.name: node for node in content.nodes}
+    assert [content.nodes[k].name for k in node["sofa"].children] == ["cushion"]
+    assert seg.to_frame().groupby("group")["faces"].sum().tolist() == [144, 72, 72, 72, 72]
+    assert seg.things().n_segments == 5
 
 
 # --- read by others -------------------------------------------------------------------------------

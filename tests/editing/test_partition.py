@@ -89,6 +89,53 @@ def test_names_stay_with_the_segment_and_are_not_lost_in_a_merge():
     assert set(session.segmentation.names) == {""}
 
 
+def test_a_part_of_a_part_is_a_part_of_the_whole():
+    session = box_session()  # a segment for every 32 faces
+    session.group([32, 64], onto_face=0)
+    session.group(96, onto_face=32)  # a part stands for its whole
+    assert session.segmentation.groups == (0, 0, 0, 0, 4, 5)
+    session.group(0, onto_face=128)  # a whole brings its parts along
+    assert session.segmentation.groups == (4, 4, 4, 4, 4, 5)
+    session.group([128, 160], onto_face=64)  # but where the whole is put onto a part, that is the whole
+    assert session.segmentation.groups == (2, 2, 2, 2, 2, 2)
+    with pytest.raises(EditError, match="face 0: its segment is so already"):
+        session.group(0, onto_face=96)
+    session.group(0)
+    assert session.segmentation.groups == (0, 2, 2, 2, 2, 2)
+    with pytest.raises(EditError, match="face 0: its segment is part of nothing"):
+        session.group(0)
+    session.group(64)  # a whole lets go of its parts
+    assert session.segmentation is session.automatic
+    session.undo()
+    assert session.segment_groups == {1: 2, 3: 2, 4: 2, 5: 2}
+
+
+def test_parts_go_to_what_takes_their_whole():
+    session = box_session()
+    session.group([32, 64], onto_face=0)
+    session.merge(0, 96)
+    assert session.segment_groups == {1: 3, 2: 3}
+    session.merge(96, 32)  # onto a part, which is the whole then
+    assert session.segment_groups == {2: 1}
+    session.merge(64, 128)  # the only part is gone
+    assert session.segment_groups == {}
+    session.go_to(1)
+    assert session.segment_groups == {1: 0, 2: 0}
+    session.cut(32, 63)  # what is cut off is part of nothing
+    assert session.segment_groups == {1: 0, 2: 0}
+
+
+def test_unlabeled_faces_are_part_of_nothing():
+    mesh = shapes.box(2)
+    session = Session(mesh, Segmentation(mesh, np.arange(48) // 8 - 1))
+    with pytest.raises(EditError, match="face 0 is unlabeled: there is no segment to group"):
+        session.group(0, onto_face=20)
+    with pytest.raises(EditError, match="onto_face 0 is unlabeled: there is no segment to be part of"):
+        session.group(20, onto_face=0)
+    session.group([0, 20], onto_face=40)  # passed over as long as one is known
+    assert session.segment_groups == {1: 4}
+
+
 def test_unlabeled_faces_can_be_gathered_by_a_finer_level():
     mesh = shapes.box(2)
     labels = np.arange(48) // 8 - 1

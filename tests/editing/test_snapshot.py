@@ -21,7 +21,7 @@ def test_a_snapshot_says_the_same_as_the_labels_per_face_at_every_step_of_a_walk
         session.go_to(data.draw(st.integers(0, len(session.edits) + len(session.undone))))
         state, expected = session.snapshot(), session.segmentation
         np.testing.assert_array_equal(state.labels[state.atoms.face_atom], expected.labels)
-        assert state.names == tuple(expected.names)
+        assert (state.names, state.groups) == (tuple(expected.names), expected.groups)
         keep = expected.labels >= 0
         labels, n = expected.labels[keep], expected.n_segments
         area = np.bincount(labels, areas[keep], n)

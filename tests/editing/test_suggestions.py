@@ -169,6 +169,12 @@ def test_things_with_different_names_stay_apart():
     assert {0, 1} not in [ends(s) for s in session.suggestions(100)]
 
 
+def test_parts_of_one_thing_stay_parts():
+    session = strip(agreeing({(0, 1): 0.9}))
+    session.group(0, onto_face=2 * FACES)
+    assert {0, 1} not in [ends(s) for s in session.suggestions(100)]
+
+
 def test_one_answer_makes_its_like_more_or_less_likely():
     """The second chair as the first: pairs of squares look alike wherever they lie."""
     session = strip(agreeing({(0, 1): 0.6, (2, 3): 0.6}), folded=True)
@@ -243,10 +249,13 @@ def test_every_suggestion_applies_and_none_comes_twice(data):
 
 def test_a_saved_project_suggests_the_same(tmp_path):
     session = strip(agreeing({(0, 1): 0.7, (2, 3): 0.9}))
+    session.group(4 * FACES, onto_face=7 * FACES)
     session.save(tmp_path / "box.swproj", include_mesh=True)
     expected = session.suggestions()
     del session
-    assert sw.Session.open(tmp_path / "box.swproj").suggestions() == expected
+    again = sw.Session.open(tmp_path / "box.swproj")
+    assert again.suggestions() == expected
+    assert again.segment_groups == {2: 3}
 
 
 def test_without_an_ensemble_there_is_nothing_to_suggest():

@@ -112,6 +112,26 @@ N = BOX.n_faces
             ValueError,
             "labels go up to 2, but names has only 2",
         ),
+        (
+            lambda: Segmentation.from_labels(BOX, np.full(N, 2), groups=(0, 1)),
+            ValueError,
+            "labels go up to 2, but groups has only 2",
+        ),
+        (
+            lambda: Segmentation(BOX, SIDES, groups=(1, 1)),
+            ValueError,
+            "groups must have one entry a segment: 6",
+        ),
+        (
+            lambda: Segmentation(BOX, SIDES, groups=(1, 2, 2, 3, 4, 5)),
+            ValueError,
+            "segment 0 is a part of 1, which must be a segment, and no part itself",
+        ),
+        (
+            lambda: Segmentation(BOX, SIDES, groups=(0, "a", 2, 3, 4, 5)),
+            ValueError,
+            "1 is a part of 'a', which",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused(make, error, message):

@@ -53,7 +53,7 @@ def test_the_picture_shows_what_the_session_holds_after_any_walk(commands, mesh)
     view, session, rng = commands._view, commands.session, np.random.default_rng(0)
     for k in range(60):
         a, b = (int(face) for face in rng.integers(0, mesh.n_faces, 2))
-        kind = ("merge", "split", "undo", "redo", "relabel")[k % 5]
+        kind = ("merge", "split", "undo", "redo", "relabel", "group")[k % 6]
         commands.handle(
             {"kind": kind, "face": a, "onto_face": b, "level": ("dihedral", "base", "final")[k % 3],
              "name": f"name {k}", "revision": view.revision}
@@ -65,6 +65,8 @@ def test_the_picture_shows_what_the_session_holds_after_any_walk(commands, mesh)
         np.testing.assert_array_equal(labels, expected.labels)
         names = {str(i): name for i, name in enumerate(expected.names) if name}
         assert (view.segment_names, view.n_segments) == (names, expected.n_segments)
+        parts = {str(i): whole for i, whole in enumerate(expected.groups) if whole != i}
+        assert view.segment_groups == parts
         confidence = expected.to_frame()["confidence"]
         np.testing.assert_allclose(shown(view, "segment_confidence", np.float32), confidence, rtol=1e-5)
     assert len(session.edits) > 10

@@ -255,8 +255,15 @@ def _segmentation(mesh: Mesh, found: Labels, source: str) -> Segmentation:
     ids, index = np.unique(labels, return_inverse=True)
     is_segment = ids >= 0
     dense = np.where(is_segment, np.cumsum(is_segment) - 1, -1)[index]
-    names = [found.names.get(i, "") for i in ids[is_segment].tolist()]
-    result = Segmentation.from_labels(mesh, dense, names=names, confidence=found.confidence)
+    kept = ids[is_segment].tolist()
+    place = {i: k for k, i in enumerate(kept)}
+    result = Segmentation.from_labels(
+        mesh,
+        dense,
+        names=[found.names.get(i, "") for i in kept],
+        confidence=found.confidence,
+        groups=[place.get(found.groups.get(i, i), place[i]) for i in kept],
+    )
     report = {
         "labels read from": source,
         "labels given per": found.per,

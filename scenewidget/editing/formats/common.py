@@ -52,6 +52,7 @@ class Labels:
     values: IntArray  # (n_faces,) or (n_vertices,) ids, negative = unlabeled
     per: Literal["face", "vertex"]
     names: Mapping[int, str] = field(default_factory=dict)  # of the ids
+    groups: Mapping[int, int] = field(default_factory=dict)  # id of the whole, of those that are parts
     confidence: FloatArray | None = None
     levels: Mapping[str, IntArray] = field(default_factory=dict)
     report: Mapping[str, Any] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""GLB: binary glTF 2.0 with a node a segment, named like it, for viewers and modellers.
+"""GLB: binary glTF 2.0 with a node a segment, named like it; parts lie in the node of their whole.
 
 Khronos (2021), *glTF 2.0 specification*. The scene stands upright there: glTF has y up, scans have z up, so
 a root node turns them. Which face of the mesh each triangle is stands in ``extras``; where another program
@@ -11,7 +11,7 @@ import itertools
 import json
 import math
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,6 +45,7 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
         if start < stop:
             name = segmentation.names[label] if label >= 0 else "unlabeled"
             builder.add_segment(mesh, order[start:stop], name, colors[label], label)
+    builder.group(segmentation.groups)
     return {path: list(builder.chunks())}
 
 
@@ -88,6 +89,14 @@ class _Builder:
         self.titles.add(title)
         self.nodes.append({"name": title, "mesh": len(self.meshes), "extras": {**extras, "name": name}})
         self.meshes.append({"name": title, "primitives": [primitive]})
+
+    def group(self, groups: Sequence[int]) -> None:
+        """Put the nodes of parts into those of their wholes."""
+        node = {self.nodes[k]["extras"]["segment"]: k for k in self.nodes[0]["children"]}
+        for part, whole in enumerate(groups):
+            if part != whole:
+                self.nodes[0]["children"].remove(node[part])
+                self.nodes[node[whole]].setdefault("children", []).append(node[part])
 
     def _accessor(self, array: npt.NDArray[Any], kind: int, type_: str, target: int | None) -> int:
         data = array.tobytes()
@@ -143,6 +152,8 @@ class _Piece:
     faces: IntArray | None  # of the mesh, if the file says so
     centers: FloatArray  # (n, 3) of its triangles, in the scene
     is_unlabeled: bool
+    number: int  # of the node
+    whole: int  # the uppermost node above that draws something, its own where there is none
 
 
 def read(path: Path, mesh: Mesh) -> Labels:
@@ -163,7 +174,9 @@ def read(path: Path, mesh: Mesh) -> Labels:
             labels[faces[faces >= 0]] = k
     lost = sum(int((faces < 0).sum()) for faces in found)
     names = {k: piece.name for k, piece in enumerate(pieces)}
-    return Labels(labels, "face", names, report={"triangles that the mesh does not have": lost})
+    place = {piece.number: k for k, piece in enumerate(pieces)}
+    groups = {k: place[piece.whole] for k, piece in enumerate(pieces)}
+    return Labels(labels, "face", names, groups, report={"triangles that the mesh does not have": lost})
 
 
 def _says_faces(pieces: list[_Piece], mesh: Mesh) -> bool:
@@ -235,15 +248,16 @@ def _pieces(content: dict[str, Any], data: bytes, budget: int) -> Iterator[_Piec
     scenes = _list(content, "scenes")
     roots = _list(scenes[_index(content.get("scene", 0), scenes)], "nodes") if scenes else range(len(nodes))
     seen: set[int] = set()
-    stack = [(_index(root, nodes), np.eye(4), 0) for root in roots]
+    stack = [(_index(root, nodes), np.eye(4), 0, -1) for root in roots]
     while stack:
-        number, above, depth = stack.pop()
+        number, above, depth, whole = stack.pop()
         if number in seen or depth > MAX_DEPTH:
             raise FormatError("is damaged: its nodes don't form a tree")
         seen.add(number)
         node = nodes[number]
         matrix = above @ _matrix(node)
-        stack += [(_index(child, nodes), matrix, depth + 1) for child in _list(node, "children")]
+        whole = number if whole < 0 and "mesh" in node else whole
+        stack += [(_index(child, nodes), matrix, depth + 1, whole) for child in _list(node, "children")]
         if "mesh" not in node:
             continue
         meshes = _list(content, "meshes")
@@ -265,6 +279,8 @@ def _pieces(content: dict[str, Any], data: bytes, budget: int) -> Iterator[_Piec
             faces,
             places @ matrix[:3, :3].T + matrix[:3, 3],
             (is_ours and extras["segment"] == -1) or node.get("name") == "unlabeled",
+            number,
+            whole,
         )
 
 

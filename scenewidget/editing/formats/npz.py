@@ -29,10 +29,11 @@ _HEADER = re.compile(  # what NumPy writes; its own reader would evaluate it
 
 
 def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
-    """Arrays ``labels``, ``names``, ``confidence``, ``level_…`` and ``mesh``; see `export`."""
+    """Arrays ``labels``, ``names``, ``groups``, ``confidence``, ``level_…`` and ``mesh``; see `export`."""
     arrays: dict[str, Any] = {
         "labels": segmentation.labels,
         "names": np.array(segmentation.names, dtype=np.str_) if segmentation.names else np.empty(0, "<U1"),
+        "groups": np.array(segmentation.groups, dtype=np.int32),
         "confidence": segmentation.confidence,
         "mesh": np.array(fingerprint(mesh).digest),
         "sketch": sketch(mesh),
@@ -72,6 +73,7 @@ def read(path: Path, mesh: Mesh, *, property: str | None = None) -> Labels:  # n
                     "triangles lie elsewhere or in another order; give the scan that the labels were made on"
                 )
             names = _member(archive, members["names"], "U", most).tolist() if "names" in members else []
+            groups = _member(archive, members["groups"], "iu", most).tolist() if "groups" in members else []
             confidence = None
             if per_face and "confidence" in members:
                 confidence = _per_face(archive, members["confidence"], "f", mesh)
@@ -88,6 +90,7 @@ def read(path: Path, mesh: Mesh, *, property: str | None = None) -> Labels:  # n
         labels.astype(np.int64),
         "face" if per_face else "vertex",
         {i: clean_name(name) for i, name in enumerate(names)},
+        dict(enumerate(groups)),
         confidence,
         levels,
     )

@@ -1,7 +1,7 @@
 """PLY: colours and a property ``instance``, on the faces or on the vertices.
 
 Turk (1994), *The PLY polygon file format*. Names of segments go into comments,
-``comment segment 3 "chair"``, as JSON.
+``comment segment 3 "chair"``, as JSON, and groups as well, ``comment part 7 of 3``.
 """
 
 from __future__ import annotations
@@ -68,6 +68,7 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path, *, per: str = "fac
         f"comment instances per {per}, -1 unlabeled",
     ]
     header += [f"comment segment {i} {json.dumps(name)}" for i, name in enumerate(segmentation.names) if name]
+    header += [f"comment part {i} of {whole}" for i, whole in enumerate(segmentation.groups) if whole != i]
     header += [f"element vertex {mesh.n_vertices}", *(f"property {t} {name}" for name, _, _, t in columns)]
     if not mesh.is_cloud:
         header += [f"element face {mesh.n_faces}", "property list uchar int vertex_indices"]
@@ -100,11 +101,12 @@ def read(path: Path, mesh: Mesh, *, property: str | None = None) -> Labels:  # n
     nor what CloudCompare puts before it ("scalar_").
     """
     elements, comments = columns_of(path)
-    names = {}
+    names, groups = {}, {}
     for comment in comments:
-        match = re.fullmatch(r'segment (\d{1,9}) (".*")', comment)
-        if match:
+        if match := re.fullmatch(r'segment (\d{1,9}) (".*")', comment):
             names[int(match[1])] = clean_name(json.loads(match[2]))
+        elif match := re.fullmatch(r"part (\d{1,9}) of (\d{1,9})", comment):
+            groups[int(match[1])] = int(match[2])
     vertices = elements.get("vertex", {})
     if all(axis in vertices for axis in "xyz"):
         place = np.stack([vertices[axis].astype(np.float64) for axis in "xyz"], axis=1)
@@ -133,7 +135,7 @@ def read(path: Path, mesh: Mesh, *, property: str | None = None) -> Labels:  # n
             raise FormatError(f"{path.name!r} has other faces than the mesh, or in another order")
         if mesh.faces_of_file is not None and (element == "face" or mesh.is_cloud):
             values = values[mesh.faces_of_file]
-        return Labels(values, "face" if element == "face" else "vertex", names)
+        return Labels(values, "face" if element == "face" else "vertex", names, groups)
     found = sorted({name for columns in elements.values() for name in columns})
     raise no_labels(path, found, property)
 

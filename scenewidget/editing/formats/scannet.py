@@ -3,13 +3,15 @@ which of them make up an object, and its label.
 
 As the annotation tools and the segmentator of https://github.com/ScanNet/ScanNet write them; Dai et al.
 (2017), *ScanNet*, CVPR. The small segments that we write are the pieces of base segments (thesis 3.4) that
-lie in one object. Objects without a name are called "unannotated". Each has its upright box, "obb": its
-middle, the lengths of its sides and, one after the other, the unit vectors along them.
+lie in one object. Objects without a name are called "unannotated". A group of segments is one object, whose
+"parts" are our own: the label and the small segments of each of its segments, the whole first. Each has its
+upright box, "obb": its middle, the lengths of its sides and, one after the other, unit vectors along them.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -47,20 +49,25 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
     segments_of: dict[int, list[int]] = {}
     for number, vertex in enumerate(first.tolist()):
         segments_of.setdefault(int(objects[vertex]), []).append(number)
-    boxes = oriented_boxes(mesh, segmentation.labels, segmentation.n_segments)
+    whole = np.append(segmentation.groups, -1).astype(np.int64)
+    boxes = oriented_boxes(mesh, whole[segmentation.labels], segmentation.n_segments)
+    parts_of: dict[int, list[int]] = {}
+    for label in sorted((label for label in segments_of if label >= 0), key=lambda s: (s != whole[s], s)):
+        parts_of.setdefault(int(whole[label]), []).append(label)
     groups = [
         {
             "id": k,
             "objectId": k,
-            "segments": segments_of[label],
-            "label": segmentation.names[label] or UNNAMED,
+            "segments": [number for label in parts for number in segments_of[label]],
+            "label": segmentation.names[thing] or UNNAMED,
             "obb": {  # as ScanNet++ and 3RScan have it
-                "centroid": boxes.center[label].tolist(),
-                "axesLengths": boxes.size[label].tolist(),
-                "normalizedAxes": boxes.axes[label].ravel().tolist(),
+                "centroid": boxes.center[thing].tolist(),
+                "axesLengths": boxes.size[thing].tolist(),
+                "normalizedAxes": boxes.axes[thing].ravel().tolist(),
             },
+            **_parts(parts, segments_of, segmentation.names),
         }
-        for k, label in enumerate(sorted(label for label in segments_of if label >= 0))
+        for k, (thing, parts) in enumerate(sorted(parts_of.items()))
     ]
     indices = ",".join(map(str, segment.tolist()))
     # kThresh and segMinVerts belong to ScanNet's own segmentator; readers want the key
@@ -79,6 +86,12 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
     }
 
 
+def _parts(parts: list[int], segments_of: dict[int, list[int]], names: Sequence[str]) -> dict[str, Any]:
+    if len(parts) == 1:
+        return {}
+    return {"parts": [{"label": names[part] or UNNAMED, "segments": segments_of[part]} for part in parts]}
+
+
 def read(path: Path, mesh: Mesh) -> Labels:
     """Objects of an aggregation, or without one the small segments of a ``.segs.json``."""
     if _is_of_segments(path.name):
@@ -95,15 +108,21 @@ def read(path: Path, mesh: Mesh) -> Labels:
     segment = _read_segments(beside, mesh)
     object_of: dict[int, int] = {}
     names: dict[int, str] = {}
+    whole_of: dict[int, int] = {}
     twice = 0
-    for k, group in enumerate(groups):
-        if not isinstance(group, dict) or not isinstance(group.get("segments"), list):
-            raise FormatError(f"{path.name!r} has a group without a list 'segments'")
-        label = clean_name(group.get("label", ""))
-        names[k] = "" if label == UNNAMED else label
-        for number in _whole_numbers(group["segments"], f"{path.name!r} lists segments"):
-            twice += number in object_of
-            object_of[number] = k  # as ScanNet's own scripts: the last group that names a segment has it
+    for group in groups:
+        thing = len(names)
+        for part in [group, *_parts_of(group)]:
+            if not isinstance(part, dict) or not isinstance(part.get("segments"), list):
+                raise FormatError(f"{path.name!r} has a group without a list 'segments'")
+            k, is_thing = len(names), part is group
+            label = clean_name(part.get("label", ""))
+            names[k] = "" if label == UNNAMED else label
+            if not is_thing:
+                whole_of[k] = thing
+            for number in _whole_numbers(part["segments"], f"{path.name!r} lists segments"):
+                twice += is_thing and number in object_of
+                object_of[number] = k  # as ScanNet's own scripts: the last group that names a segment has it
     ids, index = np.unique(segment, return_inverse=True)
     known = set(ids.tolist())
     missing = sum(number not in known for number in object_of)
@@ -114,8 +133,15 @@ def read(path: Path, mesh: Mesh) -> Labels:
         labels,
         "vertex",
         names,
+        groups=whole_of,
         report={"segments that two objects claim": twice, "segments without vertices": missing},
     )
+
+
+def _parts_of(group: Any) -> list[Any]:
+    """Parts of an object beside the first, which is what remains of it once the others have theirs."""
+    parts = group.get("parts") if isinstance(group, dict) else None
+    return parts[1:] if isinstance(parts, list) else []
 
 
 def _is_of_segments(name: str) -> bool:

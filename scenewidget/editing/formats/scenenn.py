@@ -74,7 +74,7 @@ def write(segmentation: Segmentation, mesh: Mesh, path: Path) -> Contents:
         rows.append(
             f'  <label id="{k + 1}" color="{" ".join(map(str, colors[k].tolist()))}" '
             f"text={_attribute(name or _unnamed(k + 1))} nyu_class={_attribute(nyu_class(name))} "
-            f'aabbox="{" ".join(f"{x:.6g}" for x in boxes[k])}"/>'
+            f'aabbox="{" ".join(f"{x:.6g}" for x in boxes[k])}"{_part_of(k, segmentation.groups[k])}/>'
         )
     rows.append("</annotation>\n")
     head = "\n".join(header).encode("ascii")
@@ -91,7 +91,7 @@ def read(path: Path, mesh: Mesh) -> Labels:
         if not needed.is_file():
             raise FormatError(f"{path.name!r} needs {needed.name!r} beside it")
     check_one_set(scene, annotation)
-    names = _read_names(annotation)
+    names, groups = _read_names(annotation)
     elements, _ = columns_of(scene)
     vertices = elements.get("vertex", {})
     if "label" not in vertices or len(vertices["label"]) != mesh.n_vertices:
@@ -109,8 +109,13 @@ def read(path: Path, mesh: Mesh) -> Labels:
         np.where(is_known, labels, -1),
         "vertex",
         names,
+        groups,
         report={"vertices whose label the XML does not list": int((~is_known).sum())},
     )
+
+
+def _part_of(segment: int, whole: int) -> str:
+    return "" if whole == segment else f' part_of="{whole + 1}"'
 
 
 def _unnamed(id_: int) -> str:
@@ -137,8 +142,8 @@ def _boxes(mesh: Mesh, labels: npt.NDArray[np.integer[npt.NBitBase]], n: int) ->
     return np.concatenate([low, high], axis=1)[1:]
 
 
-def _read_names(path: Path) -> dict[int, str]:
-    """Name of each label; "" for those that only have the name that `write` gives to unnamed ones."""
+def _read_names(path: Path) -> tuple[dict[int, str], dict[int, int]]:
+    """Name of each label, "" where it only has what `write` gives to unnamed ones; and wholes of parts."""
     size = path.stat().st_size
     if size > MAX_XML_BYTES:
         raise FormatError(f"{path.name!r} has {size} bytes; an annotation has at most {MAX_XML_BYTES}")
@@ -149,6 +154,7 @@ def _read_names(path: Path) -> dict[int, str]:
             raise FormatError(f"{path.name!r} {error}") from None
         raise FormatError(f"{path.name!r} is damaged or not XML ({error!s:.200})") from error
     names: dict[int, str] = {}
+    groups: dict[int, int] = {}
     for element in root.iter("label"):
         id_ = element.get("id", "")
         if not (id_.isascii() and id_.isdigit()) or len(id_) > 9 or int(id_) in names:
@@ -157,9 +163,12 @@ def _read_names(path: Path) -> dict[int, str]:
             )
         text = clean_name(element.get("text") or element.get("nyu_class") or "")
         names[int(id_)] = "" if text == _unnamed(int(id_)) else text
+        whole = element.get("part_of", "")
+        if whole.isascii() and whole.isdigit() and len(whole) <= 9:
+            groups[int(id_)] = int(whole)
     if not names:
         raise FormatError(f"{path.name!r} holds no <label id=…>: it is no annotation of SceneNN")
-    return names
+    return names, groups
 
 
 class _PlainTree(ElementTree.TreeBuilder):
