@@ -74,6 +74,7 @@ export function fakePicture({ mode = "edit", level = "base" } = {}) {
     ...{ level, count: 9, names: {}, offcut: null, sketch: null, nReads: 0 },
     pending: { operations: [] },
     titleOf: () => "Part",
+    groups: {},
     baseOf: (/** @type {number} */ face) => view.segmentOf(face),
     isTarget: (/** @type {number} */ face, /** @type {number} */ onto) =>
       view.segmentOf(face) !== view.segmentOf(onto),

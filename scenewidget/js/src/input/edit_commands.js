@@ -117,6 +117,7 @@ export function createEditCommands({ model, view, segments, root, target, send, 
       else {
         send({ kind: "let_go" }); // what a cut would divide off is part of its segment again
         if (what === "split") edit({ kind: "split", face, level: segments.level });
+        else if (what === "ungroup") edit({ kind: "group", face, onto_face: null });
         else if (view.partition) {
           const change = what === "isolate" ? othersHidden : toggledHidden;
           hide(change(view.hidden, view.partition.atomSegment, view.segmentOf(face)));

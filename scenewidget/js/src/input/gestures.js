@@ -29,8 +29,9 @@ const MOST_GATHERED = 5000;
 
 /**
  * @typedef {object} PointerEventLike
- * @property {"down" | "move" | "up" | "cancel" | "hold" | "choose" | "finish"} type  hold: the pointer has been
- *   down in its place for a while; choose: what a click does, by key; finish: merge what the brush has gathered
+ * @property {"down" | "move" | "up" | "cancel" | "hold" | "choose" | "finish" | "group"} type  hold: the pointer
+ *   has been down in its place for a while; choose: what a click does, by key; finish, group: merge what the brush
+ *   has gathered, or make it parts of one thing
  * @property {number} id
  * @property {number} x
  * @property {number} y
@@ -62,6 +63,7 @@ const MOST_GATHERED = 5000;
  *   | { kind: "click" | "split" | "paint", face: number }
  *   | { kind: "mark" | "close" }
  *   | { kind: "merge", face: number | number[], onto: number }
+ *   | { kind: "group", face: number[], onto: number }
  *   | { kind: "cut", face: number, onto: number }} Action
  */
 
@@ -99,6 +101,8 @@ export function step(gesture, event, mode, tool = "merge") {
     case "finish":
       if (isDrawn(tool, mode)) return gesture.phase === "idle" ? [IDLE, [{ kind: "close" }]] : [gesture, []];
       return gesture.phase === "idle" ? [IDLE, merged(gesture.stroke)] : [gesture, []];
+    case "group":
+      return gesture.phase === "idle" ? [IDLE, merged(gesture.stroke, "group")] : [gesture, []];
     default:
       return [IDLE, []];
   }
@@ -257,10 +261,10 @@ function gather(stroke, hit) {
   return { ...stroke, gathered: [...stroke.gathered, hit] };
 }
 
-/** @param {Stroke | null} stroke @returns {Action[]} */
-function merged(stroke) {
+/** @param {Stroke | null} stroke @param {"merge" | "group"} kind @returns {Action[]} */
+function merged(stroke, kind = "merge") {
   if (!stroke || stroke.gathered.length === 0) return [];
-  return [{ kind: "merge", face: stroke.gathered.map(({ face }) => face), onto: stroke.onto.face }];
+  return [{ kind, face: stroke.gathered.map(({ face }) => face), onto: stroke.onto.face }];
 }
 
 /** @param {Hit} a @param {Hit} b */

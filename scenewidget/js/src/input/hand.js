@@ -75,6 +75,9 @@ export function createHand({ model, view, segments, root, send, on }) {
       case "merge":
         send({ kind: "edit", edit: { kind: "merge", face: action.face, onto_face: action.onto, level } });
         break;
+      case "group":
+        send({ kind: "edit", edit: { kind: "group", face: action.face, onto_face: action.onto } });
+        break;
       case "split":
         send({ kind: "edit", edit: { kind: "split", face: action.face, level } });
         break;
@@ -159,6 +162,7 @@ export function createHand({ model, view, segments, root, send, on }) {
     options: () => drawn()?.renew(),
     pointed: ({ face, at }) => drawn()?.point(face, at),
     finish: () => feed({ type: "finish", id: -1, x: 0, y: 0 }),
+    group: () => feed({ type: "group", id: -1, x: 0, y: 0 }),
     choose_segment: ({ segment }) => chooseSegment(segment),
   });
 

@@ -14,10 +14,11 @@ const PAINT = "Paint: drag inside a segment to draw a new one, or out of it to a
  * @param {object} segments
  * @param {(hit: Hit) => string} segments.titleOf
  * @param {Record<string, string>} segments.names
+ * @param {Record<string, number>} segments.groups
  * @param {{ nFaces: number } | null} segments.offcut  that a click would divide off
  * @param {string} segments.noun  what faces are called
  * @param {boolean} isSought  whether Python looks for a cut
- * @returns {{ text: string | null, of: "part" | "stroke" | "hint" }}
+ * @returns {{ text: string | null, of: "part" | "stroke" | "hint", isGrouped?: boolean }}  of a part or a whole
  */
 export function hintOf({ gesture, tool, drawingHint = null }, segments, isSought) {
   const { picked, stroke } = gesture;
@@ -30,7 +31,11 @@ export function hintOf({ gesture, tool, drawingHint = null }, segments, isSought
   if (tool === "cut") return { text: cutHint(picked, segments, isSought), of: "hint" };
   if (tool === "paint") return { text: PAINT, of: "hint" };
   if (tool === "brush") return { text: "Brush: drag over parts to gather them onto the first", of: "hint" };
-  return { text: picked && `${segments.titleOf(picked)}: click what to merge it with`, of: "part" };
+  const text = picked && `${segments.titleOf(picked)}: click what to merge it with`;
+  const { groups } = segments;
+  const isGrouped =
+    picked !== null && (picked.segment in groups || Object.values(groups).includes(picked.segment));
+  return { text, of: "part", isGrouped };
 }
 
 /**

@@ -1,6 +1,6 @@
 /** The keyboard: which key does what, also as the help overlay lists it. */
 
-/** @typedef {"split" | "name" | "hide" | "isolate" | "frame"} PartAction  done to the part under the pointer */
+/** @typedef {"split" | "name" | "ungroup" | "hide" | "isolate" | "frame"} PartAction  done to the part under the pointer */
 
 /**
  * @typedef {{ kind: "orbit" | "pan", dx: number, dy: number }

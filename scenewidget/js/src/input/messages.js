@@ -22,6 +22,7 @@
  * - set: a piece of the model's state
  * - cut_ceiling: of the section
  * - let_go: of what is in hand; back: of that or, if there is nothing, of the tool
+ * - group: what the brush has gathered
  * - choose_segment: what a click on its row in the list does
  * - option: of a tool is to be set
  * - refine: the picked segment; refine_preview: show what that would change, null = no longer
@@ -37,7 +38,7 @@
  *   | { kind: "edit", edit: Edit }
  *   | { kind: "name", face: number, name: string }
  *   | { kind: "set", name: string, value: unknown }
- *   | { kind: "cut_ceiling" | "let_go" | "back" | "cancel" }
+ *   | { kind: "cut_ceiling" | "let_go" | "back" | "group" | "cancel" }
  *   | { kind: "go_to", n: number }
  *   | { kind: "draw", width: number, height: number, scale: number, take: (canvas: HTMLCanvasElement) => void }
  *   | { kind: "choose_segment", segment: number }

@@ -15,6 +15,7 @@ import { NONE } from "./partition.js";
  *   | { kind: "paint", ranges: number[], onto_face: number | null, draft?: import("./painting.js").Draft }
  *   | { kind: "slice", face: number, point: number[], normal: number[], off?: number[] }
  *   | { kind: Refinement, face: number }
+ *   | { kind: "group", face: number | number[], onto_face: number | null }
  *   | { kind: "relabel", face: number, name: string }} Edit
  */
 
@@ -39,6 +40,7 @@ export const FINAL = "final";
 
 const TITLES = {
   ...{ merge: "Merge", split: "Split", relabel: "Name", cut: "Cut", paint: "Paint", slice: "Slice" },
+  group: "Group",
   ...{ grow: "Grow", shrink: "Shrink", fill_holes: "Fill holes", smooth_border: "Smooth border" },
 };
 const REFINEMENTS = ["grow", "shrink", "fill_holes", "smooth_border"];
@@ -60,7 +62,7 @@ export function foresee(ground, labels, edit) {
   }
   const first = Array.isArray(edit.face) ? edit.face[0] : edit.face;
   const home = labels.atomSegment[ground.faceAtom[first]];
-  if (isRefinement(edit))
+  if (edit.kind === "group" || isRefinement(edit))
     return home === NONE ? "This surface is unlabeled: there is no segment here" : { ...labels };
   if (edit.kind === "relabel") {
     if (home === NONE) return "This surface is unlabeled: there is no segment to name";

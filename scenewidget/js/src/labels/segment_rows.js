@@ -9,6 +9,7 @@ import { NONE } from "./partition.js";
  * @property {number} segment  NONE = all that is unlabeled
  * @property {string} name  "" if it has none
  * @property {string} color  as in style sheets
+ * @property {number | null} whole  the segment that it is a part of
  * @property {number} faces
  * @property {number} area
  * @property {number | null} confidence  0 to 1
@@ -26,11 +27,12 @@ export const FIRST_DESCENDING = { name: false, faces: true, area: true, confiden
  * @param {Partition} partition
  * @param {object} context
  * @param {Record<string, string>} context.names
+ * @param {Record<string, number>} context.groups  what a segment is a part of
  * @param {Record<number, number> | null} context.confidence  by segment
  * @param {Uint8Array | null} context.hidden  1 for each atom that isn't drawn
  * @returns {Row[]}
  */
-export function segmentRows(partition, { names, confidence, hidden }) {
+export function segmentRows(partition, { names, groups, confidence, hidden }) {
   const { atomSegment, atomFaces, atomArea, segmentColors } = partition;
   /** @type {Map<number, { faces: number, area: number, hiddenFaces: number }>} */
   const sums = new Map();
@@ -50,6 +52,7 @@ export function segmentRows(partition, { names, confidence, hidden }) {
       segment,
       name: segment === NONE ? "" : (names[segment] ?? ""),
       color: rgb.length === 3 ? `rgb(${rgb.join(" ")})` : "",
+      whole: sums.has(groups[segment]) ? groups[segment] : null,
       faces,
       area,
       confidence: segment === NONE ? null : (confidence?.[segment] ?? null),
@@ -59,18 +62,21 @@ export function segmentRows(partition, { names, confidence, hidden }) {
 }
 
 /**
- * Rows in order; equal ones by number, those without a value and what is unlabeled last.
+ * Rows in order; equal ones by number, those without a value and what is unlabeled last. Parts follow their whole.
  * @param {Row[]} rows
  * @param {Order} order
  * @returns {Row[]}
  */
 export function sorted(rows, { column, isDescending }) {
   const sign = isDescending ? -1 : 1;
-  return [...rows].sort((a, b) => {
+  const ordered = [...rows].sort((a, b) => {
     const last = Number(a.segment === NONE) - Number(b.segment === NONE);
     const missing = Number(isMissing(a[column])) - Number(isMissing(b[column]));
     return last || missing || sign * compared(a[column], b[column]) || a.segment - b.segment;
   });
+  const parts = ordered.filter(({ whole }) => whole !== null);
+  const others = ordered.filter(({ whole }) => whole === null);
+  return others.flatMap((row) => [row, ...parts.filter(({ whole }) => whole === row.segment)]);
 }
 
 /** @param {string | number | null} value */

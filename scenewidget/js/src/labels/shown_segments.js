@@ -159,6 +159,11 @@ export class ShownSegments {
     return this.isPreview ? {} : (this.shown?.labels.names ?? {});
   }
 
+  /** What a segment is a part of; those of nothing aren't there. @returns {Record<string, number>} */
+  get groups() {
+    return this.isPreview ? {} : (this.model.get("segment_groups") ?? {});
+  }
+
   /** Name of the step that undo would take; null = there is none. @returns {string | null} */
   get undo() {
     return this.shown?.undo ?? (this.model.get("undo_title") || null);

@@ -220,9 +220,9 @@ export function createPanel(host, { send, on }) {
     },
 
     /** List the segments, if the list is open. @param {Pick<Around, "view" | "segments">} shown */
-    listSegments({ view, segments: { names, confidence } }) {
+    listSegments({ view, segments: { names, groups, confidence } }) {
       if (!list.isShown() || !view.partition) return;
-      list.update(segmentRows(view.partition, { names, confidence, hidden: view.hidden }));
+      list.update(segmentRows(view.partition, { names, groups, confidence, hidden: view.hidden }));
     },
 
     /** Say why there is no picture. @param {string} message */

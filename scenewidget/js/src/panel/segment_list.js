@@ -80,6 +80,8 @@ export function createSegmentList(send, leave) {
     button.title = `Sort by number of ${noun}s`;
   }
 
+  const titleOf = (/** @type {number} */ segment) =>
+    segmentTitle(segment, { [segment]: rows.find((row) => row.segment === segment)?.name ?? "" });
   const point = (/** @type {number | null} */ segment) => send({ kind: "listed", segment });
   const lineOf = (/** @type {Event} */ event) =>
     event.target instanceof Element ? event.target.closest("tr")?.dataset.segment : undefined;
@@ -194,7 +196,8 @@ export function createSegmentList(send, leave) {
       count.textContent = nHidden > 0 ? `${nSegments} · ${nHidden} hidden` : String(nSegments);
       const before = lines;
       lines = new Map(rows.map((row) => [row.segment, before.get(row.segment) ?? makeRow(row.segment)]));
-      for (const row of rows) lines.get(row.segment)?.update(row, noun);
+      for (const row of rows)
+        lines.get(row.segment)?.update(row, noun, row.whole === null ? "" : titleOf(row.whole));
       arrange();
       const isGone = !lines.has(current);
       const first = body.rows[0]?.dataset.segment;
@@ -237,9 +240,9 @@ function makeRow(segment) {
   let last = "";
   return {
     line,
-    /** @param {Row} row @param {string} noun */
-    update(row, noun) {
-      const signature = JSON.stringify([row, noun]);
+    /** @param {Row} row @param {string} noun @param {string} whole  that it is a part of, "" for nothing */
+    update(row, noun, whole) {
+      const signature = JSON.stringify([row, noun, whole]);
       if (signature === last) return;
       last = signature;
       const isHidden = row.hidden === "all";
@@ -248,7 +251,9 @@ function makeRow(segment) {
       choose.title = [
         segment === NONE ? "Unlabeled" : segmentTitle(segment, { [segment]: row.name }),
         counted(row.faces, noun),
+        ...(whole ? [`part of ${whole}`] : []),
       ].join(", ");
+      line.classList.toggle("sw-part", whole !== "");
       title.classList.toggle("sw-unnamed", !row.name);
       swatch.style.background = row.color;
       line.dataset.hidden = row.hidden;

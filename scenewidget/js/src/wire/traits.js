@@ -11,7 +11,15 @@ const PREVIEW = [
 
 export const GROUPS = {
   geometry: arrays(GEOMETRY),
-  partition: [...arrays(PARTITION), ...arrays(PREVIEW), "levels", "level", "segment_names", "_answers"],
+  partition: [
+    ...arrays(PARTITION),
+    ...arrays(PREVIEW),
+    "levels",
+    "level",
+    "segment_names",
+    "segment_groups",
+    "_answers",
+  ],
   values: arrays(VALUES),
   boxes: ["boxes", ...arrays(BOXES)],
   state: [

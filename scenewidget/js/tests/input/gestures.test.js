@@ -222,6 +222,8 @@ test("a brush gathers by clicks and keys, too, until it is told to finish", () =
   assert.deepEqual(open.gesture.stroke, { onto: chair, gathered: [table, lamp] });
   const [rest, actions] = step(open.gesture, { type: "finish", id: -1, x: 0, y: 0 }, "edit", "brush");
   assert.deepEqual([rest, actions], [IDLE, [{ kind: "merge", face: [20, 30], onto: 10 }]]);
+  const [, grouped] = step(open.gesture, { type: "group", id: -1, x: 0, y: 0 }, "edit", "brush");
+  assert.deepEqual(grouped, [{ kind: "group", face: [20, 30], onto: 10 }]);
   assert.deepEqual(play([{ type: "finish" }]).actions, []);
 });
 

@@ -7,6 +7,7 @@ const hit = { face: 1, part: 1, segment: 1 };
 const segments = {
   titleOf: () => "Segment 1",
   names: { 1: "chair" },
+  groups: {},
   offcut: /** @type {any} */ (null),
   noun: "face",
 };
@@ -15,11 +16,15 @@ const hint = (gesture, tool, isSought = false, more = {}) =>
   hintOf({ gesture: { ...IDLE, ...gesture }, tool }, { ...segments, ...more }, isSought);
 
 test("a picked part is told what a click does, and offers what can be done with it", () => {
-  assert.deepEqual(hint({}, "merge"), { text: null, of: "part" });
+  assert.deepEqual(hint({}, "merge"), { text: null, of: "part", isGrouped: false });
   assert.deepEqual(hint({ picked: hit }, "merge"), {
     text: "Segment 1: click what to merge it with",
     of: "part",
+    isGrouped: false,
   });
+  for (const groups of [{ 1: 3 }, { 5: 1 }]) {
+    assert.equal(hint({ picked: hit }, "merge", false, { groups }).isGrouped, true);
+  }
 });
 
 test("a stroke is counted, in whatever tool it was begun", () => {

@@ -54,6 +54,8 @@ test("what changes nothing is refused with a reason", () => {
   );
   assert.equal(typeof foresee(ground, labels, { kind: "relabel", face: 0, name: "floor" }), "string");
   assert.equal(typeof foresee(ground, labels, { kind: "relabel", face: 5, name: "x" }), "string");
+  assert.equal(typeof foresee(ground, labels, { kind: "group", face: [5], onto_face: 0 }), "string");
+  assert.deepEqual(foresee(ground, labels, { kind: "group", face: [2], onto_face: 0 }), labels);
 });
 
 test("a name goes on with the segment that takes the last of its faces, unless that has one", () => {

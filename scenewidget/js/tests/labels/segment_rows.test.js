@@ -12,7 +12,7 @@ const partition = makePartition(
   },
   -1,
 );
-const plain = { names: {}, confidence: null, hidden: null };
+const plain = { names: {}, groups: {}, confidence: null, hidden: null };
 
 test("every face is in one row", () => {
   const rows = segmentRows(partition, plain);
@@ -31,7 +31,12 @@ test("every face is in one row", () => {
 });
 
 test("a row tells name, confidence and how much is hidden", () => {
-  const context = { names: { 1: "chair" }, confidence: [0.5, 1], hidden: new Uint8Array([1, 1, 0, 0]) };
+  const context = {
+    names: { 1: "chair" },
+    groups: {},
+    confidence: [0.5, 1],
+    hidden: new Uint8Array([1, 1, 0, 0]),
+  };
   const rows = segmentRows(partition, context);
   assert.deepEqual(
     rows.map(({ name, confidence, hidden }) => [name, confidence, hidden]),
@@ -39,6 +44,19 @@ test("a row tells name, confidence and how much is hidden", () => {
       ["", 0.5, "some"],
       ["chair", 1, "all"],
       ["", null, "none"],
+    ],
+  );
+});
+
+test("parts follow their whole, in the order of the others", () => {
+  const rows = segmentRows(partition, { ...plain, groups: { 0: 1, 7: 1 } });
+  const order = sorted(rows, { column: "faces", isDescending: true });
+  assert.deepEqual(
+    order.map(({ segment, whole }) => [segment, whole]),
+    [
+      [1, null],
+      [0, 1],
+      [NONE, null],
     ],
   );
 });
@@ -52,7 +70,7 @@ test("rows sort by each column, what is unlabeled stays last", () => {
   ].map(
     ([name, faces, area, confidence], segment) =>
       /** @type {import("../../src/labels/segment_rows.js").Row} */ ({
-        ...{ segment, name, color: "", faces, area, confidence, hidden: "none" },
+        ...{ segment, name, color: "", whole: null, faces, area, confidence, hidden: "none" },
       }),
   );
   rows.push({ ...rows[0], segment: NONE, faces: 99, area: 99 });

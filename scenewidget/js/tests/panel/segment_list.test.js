@@ -7,7 +7,7 @@ import { control, fakeDispatcher, fire, openPage } from "../page.js";
 const body = openPage();
 const row = (/** @type {number} */ segment, changes = {}) => ({
   ...{ segment, name: "", color: "red", faces: 10 * (segment + 1), area: segment + 1, confidence: 0.5 },
-  ...{ hidden: /** @type {const} */ ("none"), ...changes },
+  ...{ whole: /** @type {number | null} */ (null), hidden: /** @type {const} */ ("none"), ...changes },
 });
 
 function fake(rows = [row(0), row(1, { name: "chair" }), row(2)]) {
@@ -60,6 +60,14 @@ test("of all rows one is a stop of Tab, arrows go on, letters act on it", () => 
   assert.deepEqual(stops(), [-1, 0, -1]);
   fire(document.activeElement, "keydown", { key: "f" });
   assert.deepEqual(take("act_on_segment"), [{ kind: "act_on_segment", what: "frame", segment: 1 }]);
+});
+
+test("parts stand under their whole and say so", () => {
+  const { order, lines } = fake([row(0, { whole: 1 }), row(1, { name: "sofa" }), row(2)]);
+  assert.deepEqual(order(), [2, 1, 0]);
+  const part = lines()[2];
+  assert.ok(part.classList.contains("sw-part"));
+  assert.match(part.querySelector(".sw-row-name").title, /part of Segment 1 \(sofa\)$/);
 });
 
 test("rows are changed in place, and hidden ones counted", () => {
