@@ -19,7 +19,6 @@ ELSEWHERE = {  # modules whose tests stand in the file of another name, since th
     "editing/schema.py": "editing/test_store.py",
     "widget/autosave.py": "widget/test_autosave_file.py",  # browser/test_autosave.py has the short name
     "widget/bundle.py": "widget/test_scene_view.py",
-    "widget/deprecation.py": "widget/test_scene_view.py",
     "widget/page.py": "widget/test_scene_view.py",
 }
 

@@ -47,7 +47,7 @@ from scenewidget.editing.store import FileChangedError
 from scenewidget.editing.suggestions import Advisor, Dismissal, Suggestion
 from scenewidget.editing.vocabulary import NYU40, chosen_vocabulary, in_vocabulary
 from scenewidget.engine.atoms import Atoms
-from scenewidget.engine.checks import KnownNames, checked_whole
+from scenewidget.engine.checks import FixedList, KnownNames, checked_flag, checked_whole
 from scenewidget.engine.mesh import BoolArray, IntArray, Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.readers import load
@@ -58,6 +58,34 @@ if TYPE_CHECKING:
     import pandas as pd
 
 __all__ = ["Event", "Session", "Snapshot", "Step", "apply_edits"]
+
+
+TO_SET = {  # what people set of a session that isn't to be set
+    ("edits", "history", "undone"): "merge, split, paint … add to it, undo and redo go through it",
+    ("labels", "segments"): "write session.paint(faces, onto_face), or session.resegment(segmentation)",
+    ("names",): "write session.relabel(face, 'chair')",
+    (
+        "segmentation",
+        "automatic",
+        "n_segments",
+    ): "session.resegment(segmentation) puts another one underneath",
+    ("params",): "write session.resegment(segmentation, params)",
+    ("mesh",): "another scan needs another session",
+    ("path",): "write session.save('room.swproj')",
+}
+TO_GET = {  # what people ask a session for under another name
+    ("rename", "label", "name", "set_name", "annotate"): "write session.relabel(face, 'chair')",
+    ("apply", "replay", "add", "execute"): "write session.do(edit)",
+    ("lasso", "brush", "select", "assign", "set_labels"): "write session.paint(faces, onto_face)",
+    ("delete", "remove"): "write session.merge(face, onto_face), or session.undo()",
+    ("export", "to_ply", "to_glb"): "write sw.export(session.segmentation, session.mesh, path)",
+    ("on_change", "on_edit", "subscribe", "add_observer"): "write session.observe(callback)",
+    ("log", "steps"): "it is session.history, and session.to_frame() its table",
+}
+
+
+class _Edits(FixedList):
+    _instead = "; merge, split, paint … make an edit, session.do(edit) one that is there already"
 
 
 class Session(KnownNames):
@@ -134,6 +162,18 @@ class Session(KnownNames):
         place = f", {self.path.name!r}" if self.path is not None else ""
         size = f"{self.mesh.n_faces} {self.mesh.noun}s"
         return f"Session({size}, {self.n_segments} segments, {len(self.edits)} edits{place})"
+
+    def _place_to_set(self, name: str) -> str:
+        return next((way for names, way in TO_SET.items() if name in names), "") or super()._place_to_set(
+            name
+        )
+
+    def _place_to_get(self, name: str) -> str:
+        if name in dir(Segmentation) or name in Segmentation.__dataclass_fields__:
+            return f"it is session.segmentation.{name}"
+        return next((way for names, way in TO_GET.items() if name in names), "") or super()._place_to_get(
+            name
+        )
 
     # --- editing ----------------------------------------------------------------------------------
 
@@ -454,7 +494,7 @@ class Session(KnownNames):
     def edits(self) -> list[Edit]:
         """The edits done so far, oldest first, those that don't apply included."""
         with self._lock:
-            return [step.edit for step in self._history.steps]
+            return _Edits(step.edit for step in self._history.steps)
 
     @property
     def history(self) -> tuple[Step, ...]:
@@ -759,6 +799,9 @@ class Session(KnownNames):
             The file can't be written: disk full, no permission, or another process works on it. The old
             file, if there was one, is untouched, and edits stay in memory.
         """
+        flags = {"include_mesh": include_mesh, "overwrite": overwrite, "anonymous": anonymous}
+        for name, value in flags.items():
+            checked_flag(name, value)
         with self._lock:
             if anonymous:
                 copy = self._project(include_mesh).anonymous()

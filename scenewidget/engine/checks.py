@@ -7,9 +7,19 @@ import sys
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["KnownNames", "checked_count", "checked_whole", "did_you_mean", "warn_caller"]
+import numpy as np
+
+__all__ = [
+    "FixedList",
+    "KnownNames",
+    "checked_count",
+    "checked_flag",
+    "checked_whole",
+    "did_you_mean",
+    "warn_caller",
+]
 
 _PACKAGE = str(Path(__file__).parent.parent)
 
@@ -77,6 +87,33 @@ def checked_whole(name: str, value: Any) -> int:
     return operator.index(value)
 
 
+def checked_flag(name: str, value: Any) -> bool:
+    """``value`` as a bool; neither 1 nor "yes" is one.
+
+    Parameters
+    ----------
+    name : str
+        What the message calls it.
+    value : object
+
+    Raises
+    ------
+    TypeError
+        Not a bool.
+
+    Examples
+    --------
+    >>> from scenewidget.engine.checks import checked_flag
+    >>> checked_flag("overwrite", "no")
+    Traceback (most recent call last):
+        ...
+    TypeError: overwrite must be True or False, got 'no'
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} must be True or False, got {value!r:.200}")
+    return bool(value)
+
+
 def did_you_mean(name: str, names: Iterable[str], *, alike: float = 0.6) -> str:
     """What to say of a name that is unknown but much like a known one; "" if none is.
 
@@ -100,6 +137,28 @@ def did_you_mean(name: str, names: Iterable[str], *, alike: float = 0.6) -> str:
     return f"did you mean {close[0]!r}?" if close else ""
 
 
+class FixedList(list[Any]):
+    """A list that is exchanged as a whole, or not at all: a change inside of it would reach nobody.
+
+    Examples
+    --------
+    >>> FixedList([1, 2]).append(3)
+    Traceback (most recent call last):
+    TypeError: a change inside of this list isn't noticed
+    """
+
+    _instead = ""  # what to write
+
+    def _refuse(self, *_: object, **__: object) -> Any:
+        raise TypeError(f"a change inside of this list isn't noticed{self._instead}")
+
+    append = extend = insert = pop = remove = clear = sort = reverse = _refuse
+    __setitem__ = __delitem__ = __iadd__ = __imul__ = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (list(self),))
+
+
 class KnownNames:
     """Lets nothing be set that its class doesn't know, for that would change nothing and say nothing.
 
@@ -115,23 +174,48 @@ class KnownNames:
     >>> lamp.is_off = True
     Traceback (most recent call last):
     AttributeError: a Lamp has no 'is_off' to set; names of your own begin with an underscore
+    >>> lamp.ison
+    Traceback (most recent call last):
+    AttributeError: 'Lamp' object has no attribute 'ison'; did you mean 'is_on'?
     """
 
-    _set_once: tuple[str, ...] = ()  # attributes that its __init__ sets
+    _set_once: tuple[str, ...] = ()  # attributes that its __init__ sets, and nobody afterwards
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """As of any object; an unknown name is refused with what to write instead."""
+        """As of any object; an unknown name, or one that stays, is refused with what to write instead."""
         kind = type(self)
-        is_known = name.startswith("_") or hasattr(kind, name) or name in self._set_once
-        if not is_known and kind.__module__.split(".")[0] == "scenewidget":
-            hint = self._place_to_set(name) or "names of your own begin with an underscore"
-            raise AttributeError(f"a {kind.__name__} has no {name!r} to set; {hint}")
+        if not name.startswith("_") and kind.__module__.split(".")[0] == "scenewidget":
+            of_class = getattr(kind, name, self)
+            stays = isinstance(of_class, property) and of_class.fset is None
+            if stays or (name in self._set_once and name in vars(self)):
+                hint = self._place_to_set(name)
+                raise AttributeError(f"{name} of a {kind.__name__} can't be set{hint and '; '}{hint}")
+            if of_class is self and name not in self._set_once:
+                hint = self._place_to_set(name) or "names of your own begin with an underscore"
+                raise AttributeError(f"a {kind.__name__} has no {name!r} to set; {hint}")
         super().__setattr__(name, value)
+
+    if not TYPE_CHECKING:  # which would take every name for known
+
+        def __getattr__(self, name: str) -> Any:
+            """Say where something is that isn't here."""
+            hint = "" if name.startswith("_") else self._place_to_get(name)
+            told = f"{type(self).__name__!r} object has no attribute {name!r}"
+            raise AttributeError(f"{told}{hint and '; '}{hint}")
 
     def _place_to_set(self, name: str) -> str:
         """What to write instead; "" if nobody can tell."""
-        known = [known for known in dir(type(self)) if not known.startswith("_")]
-        return did_you_mean(name, known, alike=0.75)
+        others = [known for known in self._public_names() if known != name]
+        return did_you_mean(name, others, alike=0.75)
+
+    def _place_to_get(self, name: str) -> str:
+        """What to write instead; "" if nobody can tell."""
+        names = self._public_names()
+        longer = next((known for known in names if known.startswith(f"{name}_")), "")
+        return f"did you mean {longer!r}?" if longer else did_you_mean(name, names, alike=0.75)
+
+    def _public_names(self) -> list[str]:
+        return [*self._set_once, *(known for known in dir(type(self)) if not known.startswith("_"))]
 
 
 def warn_caller(message: str) -> None:

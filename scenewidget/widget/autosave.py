@@ -28,6 +28,7 @@ from scenewidget.widget.scene_view import SceneView
 __all__ = ["Autosave", "default_name", "newest_project", "spoken"]
 
 SUFFIX = ".swproj"
+NO_FILES = ("", "yes", "no", "on", "off", "true", "false", "none")  # that somebody means by autosave
 DIGITS = 8  # so many digits of the fingerprint stand in the names of files
 
 
@@ -119,6 +120,10 @@ class Autosave:
     ) -> None:
         if not isinstance(autosave, (bool, str, os.PathLike)):
             raise TypeError(f"autosave must be True, False or a path, got {type(autosave).__name__}")
+        if isinstance(autosave, str) and autosave.strip().lower() in NO_FILES:
+            raise ValueError(
+                f"autosave must be True, False or a path such as 'room.swproj', got {autosave!r}"
+            )
         self.autosave = autosave
         self._view = view
         self._lock = lock

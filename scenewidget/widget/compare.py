@@ -8,9 +8,10 @@ memo, and the scan crosses to the page once.
 from __future__ import annotations
 
 import html
+import inspect
 import secrets
 import threading
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import ipywidgets as widgets
@@ -29,9 +30,11 @@ from scenewidget.evaluation import evaluate
 from scenewidget.hands import agreement
 from scenewidget.metrics import quick_scores
 from scenewidget.palette import keep_colors
+from scenewidget.widget.arranged import Arranged
 from scenewidget.widget.lifetimes import belongs_to_its_cell, close_all
 from scenewidget.widget.misplaced import place_to_set, refuse_options
 from scenewidget.widget.observing import FaultTolerant
+from scenewidget.widget.scene_state import own_names
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scores import Scorer, disagreement, score_rows
 from scenewidget.widget.settings import params_code
@@ -43,15 +46,24 @@ if TYPE_CHECKING:
 __all__ = ["Compare"]
 
 Side = Params | Segmentation
+Measure = Callable[[IntArray, IntArray], npt.ArrayLike]
 SHARED = ("color_by", "color_mix", "outlines", "back_faces", "section", "up")  # state of all views
 LETTERS = "ABCDEFGH"
 MOST = len(LETTERS)  # a browser keeps about sixteen pictures
 TABLE_STYLE = "border-collapse:collapse;font-variant-numeric:tabular-nums"
 LISTED = 10  # segments on which the two agree least
+WAYS = {  # what people ask a `Compare` for under another name
+    **dict.fromkeys(("left", "right", "view"), "the pictures are views[0], views[1] …"),
+    "segmentation": "those of all sides are in segmentations",
+    "session": "it shows segmentations and edits none: that is what a SceneWidget is for",
+    "params": "each side has its own: write a = Params(n_segments=…), or b = …",
+    **dict.fromkeys(("names", "titles", "labels"), "the sides are called A, B, C … in their order"),
+    **dict.fromkeys(("table", "report", "metrics", "errors"), "write to_frame(), or read scores"),
+}
 CELL_STYLE = "padding:1px 14px 1px 0;text-align:right;white-space:nowrap"
 
 
-class Compare(KnownNames, FaultTolerant, widgets.VBox):
+class Compare(KnownNames, FaultTolerant, Arranged, widgets.VBox):
     """Views of one scan that turn together; set ``a``, ``b`` or ``others`` to compare something else.
 
     Segments that overlap most have the same colour on all sides. "Errors" among the colours marks the faces
@@ -135,7 +147,7 @@ class Compare(KnownNames, FaultTolerant, widgets.VBox):
         b: Side | None = None,
         *others: Side,
         truth: Segmentation | IntArray | None = None,
-        disagreement: Callable[[IntArray, IntArray], npt.ArrayLike] | None = None,
+        disagreement: Measure | None = None,
         height: int = 420,
         **options: Any,
     ) -> None:
@@ -145,10 +157,7 @@ class Compare(KnownNames, FaultTolerant, widgets.VBox):
         sides = [a, b, *(_checked("others", side, self.mesh) for side in others)]
         if len(sides) > MOST:
             raise ValueError(f"others: at most {MOST} views at once, as browsers draw, got {len(sides)}")
-        if disagreement is not None and not callable(disagreement):
-            raise TypeError(
-                f"disagreement must take the labels of two sides, got {type(disagreement).__name__}"
-            )
+        _check_measure(disagreement)
         self._disagreement = disagreement
         self._scorer = None if truth is None else Scorer(self.mesh, truth)
         self._lock = threading.RLock()
@@ -180,7 +189,11 @@ class Compare(KnownNames, FaultTolerant, widgets.VBox):
         self._compute()
 
     def _place_to_set(self, name: str) -> str:
-        return place_to_set(type(self), name, "views[0]")
+        return WAYS.get(name) or place_to_set(type(self), name, "views[0]")
+
+    def _place_to_get(self, name: str) -> str:
+        in_view = f"it is views[0].{name}, views[1].{name} …" if name in own_names() else ""
+        return WAYS.get(name) or in_view or super()._place_to_get(name)
 
     def __repr__(self) -> str:
         *most, last = [str(segmentation.n_segments) for segmentation in self.segmentations] or [""]
@@ -330,23 +343,28 @@ class Compare(KnownNames, FaultTolerant, widgets.VBox):
             scores[f"{name} and A"] = quick_scores(segmentation.labels, first.labels)
         verdicts = [disagreement(first.labels, other.labels) for other in rest]
         least = _least_agreed(first, rest[0]) if len(rest) == 1 else ""
-        values = self._measured(first, rest)
         with self._lock:
             _stop_if(cancel)
             for view, verdict in zip(self.views, [np.max(verdicts, axis=0), *verdicts], strict=True):
                 view.set_errors(verdict)
-            if values is not None:
-                self._show_values(values)
             shares = {name: float(np.mean(verdict == 2)) for name, verdict in zip(letters, verdicts)}
             self._table.value = _table(scores, shares) + least
             self.set_trait("scores", scores)
             self.set_trait("segmentations", tuple(found))
+        if self._disagreement is None:
+            return
+        try:
+            values = self._measured(self._disagreement, first, rest)
+        except Exception as error:  # of the user's own: what was found stands
+            error.add_note("raised by disagreement, the measure that Compare was given")
+            self._at = 0
+            raise
+        with self._lock:
+            _stop_if(cancel)
+            self._show_values(values)
 
-    def _measured(self, first: Segmentation, rest: list[Segmentation]) -> FloatArray | None:
-        """(n_views, n_faces) what the measure of the user's own says of each side; None without one."""
-        measure = self._disagreement
-        if measure is None:
-            return None
+    def _measured(self, measure: Measure, first: Segmentation, rest: list[Segmentation]) -> FloatArray:
+        """(n_views, n_faces) what the measure of the user's own says of each side."""
         rows = np.array([np.asarray(measure(first.labels, other.labels), np.float64) for other in rest])
         if rows.shape != (len(rest), self.mesh.n_faces):
             raise ValueError(
@@ -380,7 +398,8 @@ class Compare(KnownNames, FaultTolerant, widgets.VBox):
             if self._worker.has_next:
                 return
             self._error = error
-            self.views[self._at].error = f"{type(error).__name__}: {error}"
+            whose = "".join(f" ({note})" for note in getattr(error, "__notes__", ()))
+            self.views[self._at].error = f"{type(error).__name__}: {error}{whose}"
             self._show_end("The computation failed")
 
     def _show_end(self, status: str) -> None:
@@ -393,9 +412,29 @@ class Compare(KnownNames, FaultTolerant, widgets.VBox):
             self.set_trait("busy", False)
 
 
+def _check_measure(measure: Any) -> None:
+    if measure is None:
+        return
+    if not callable(measure):
+        raise TypeError(f"disagreement must take the labels of two sides, got {type(measure).__name__}")
+    try:
+        signature = inspect.signature(measure)
+    except ValueError:  # some of those written in C have none
+        return
+    try:
+        signature.bind(None, None)
+    except TypeError as error:
+        raise TypeError(f"disagreement is called with the labels of two sides: {error}") from None
+
+
 def _checked(name: str, side: Any, mesh: Mesh) -> Side:
     if side is None:
         return Params()
+    if isinstance(side, list | tuple | Mapping):
+        raise TypeError(
+            f"{name} must be Params or a Segmentation, got {type(side).__name__}; write each by itself: "
+            "Compare(mesh, first, second, ...)"
+        )
     if not isinstance(side, (Params, Segmentation)):
         raise TypeError(
             f"{name} must be Params or a Segmentation, got {type(side).__name__}; "

@@ -23,6 +23,12 @@ WAYS = {  # to do what people ask a `SceneWidget` for that needs no name of its 
     ("screenshot", "save_png", "save_image", "savefig"): "the picture's button with the camera saves a PNG, "
     "w.view.to_html(path) a page",
 }
+SETTINGS = {  # what people set of a `SceneWidget` that isn't to be set
+    ("view",): "its traits are: write w.view.color_by = …, w.view.height = …",
+    ("controls",): "they follow w.params",
+    ("pipeline",): "another scan needs another widget",
+    ("vocabulary",): "write w.session.vocabulary = …",
+}
 
 
 def place_to_set(kind: type, name: str, view: str = "view") -> str:
@@ -42,6 +48,9 @@ def place_to_set(kind: type, name: str, view: str = "view") -> str:
     >>> place_to_set(sw.SceneWidget, "color_by"), place_to_set(sw.SceneWidget, "my_notes")
     ('write w.view.color_by = …', '')
     """
+    for names, way in SETTINGS.items():
+        if name in names:
+            return way
     if name == "width":
         return "write w.layout.width = '600px'"
     if name in Params.__dataclass_fields__ and hasattr(kind, "params"):
@@ -62,15 +71,15 @@ def place_to_get(name: str) -> str:
     Examples
     --------
     >>> place_to_get("labels")
-    '; it is w.segmentation.labels'
+    'it is w.segmentation.labels'
     """
     for names, way in WAYS.items():
         if name in names:
-            return f"; {way}"
+            return way
     for place, kind in (("segmentation", Segmentation), ("session", Session), ("view", SceneView)):
         if name in dir(kind) or name in getattr(kind, "__dataclass_fields__", ()):
-            return f"; it is w.{place}.{name}"
-    return f"; it is w.params.{name}" if name in Params.__dataclass_fields__ else ""
+            return f"it is w.{place}.{name}"
+    return f"it is w.params.{name}" if name in Params.__dataclass_fields__ else ""
 
 
 def refuse_options(kind: type, options: Mapping[str, object]) -> None:

@@ -13,10 +13,12 @@ import numpy as np
 import traitlets
 
 from scenewidget.editing.division import Division
+from scenewidget.engine.checks import KnownNames
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.readers import load
 from scenewidget.engine.segmentation import Segmentation
+from scenewidget.widget.arranged import Arranged
 from scenewidget.widget.lifetimes import close_all
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scene_widget import SceneWidget
@@ -30,7 +32,7 @@ CEILING = 0.85  # of the height: above it nothing is drawn of the whole, so that
 NO_ROOM = -1
 
 
-class Rooms(widgets.VBox):
+class Rooms(KnownNames, Arranged, widgets.VBox):
     """A scan that is too large to be edited whole: looked at coarsely, corrected room by room.
 
     The first time, the scan is divided into its rooms, which takes some seconds a million faces; from then on
@@ -96,6 +98,8 @@ class Rooms(widgets.VBox):
     current = traitlets.Int(NO_ROOM, read_only=True)
     """The room that is open; -1 if none is."""
 
+    _set_once = ("division", "view")
+
     def __init__(
         self,
         scan: Mesh | Any,
@@ -115,7 +119,7 @@ class Rooms(widgets.VBox):
         self._lock = threading.RLock()
         self._is_showing = False
         self._picture_height = height
-        self.editor: SceneWidget | None = None
+        self._editor: SceneWidget | None = None
         self.division = self._divided(folder, segmentation, max_faces)
         self.view = SceneView(self.division.coarse, height=height)
         self.view.section = [(0.0, 1.0), (0.0, 1.0), (0.0, CEILING)]
@@ -132,6 +136,24 @@ class Rooms(widgets.VBox):
 
     def __repr__(self) -> str:
         return f"Rooms({sum(self.division.n_faces)} faces, {len(self.division.n_faces)} rooms)"
+
+    @property
+    def editor(self) -> SceneWidget | None:
+        """On the room that is open; None if none is."""
+        return self._editor
+
+    @property
+    def height(self) -> int:
+        """Of each picture, in pixels; can be set."""
+        height: int = self.view.height
+        return height
+
+    @height.setter
+    def height(self, height: int) -> None:
+        self.view.height = height
+        if self._editor is not None:
+            self._editor.height = height
+        self._picture_height = height
 
     # --- what people and scripts do ---------------------------------------------------------------
 
@@ -155,7 +177,7 @@ class Rooms(widgets.VBox):
                 return
             editor = self._editor_on(room)
             self._close_editor()
-            self.editor = editor
+            self._editor = editor
             self._place.children = [editor]
             self.set_trait("current", int(room))
             self._show()
@@ -242,7 +264,7 @@ class Rooms(widgets.VBox):
         editor.close()
         if session is not None:
             session.close()
-        self.editor = None
+        self._editor = None
         self._place.children = []
         self.set_trait("current", NO_ROOM)
 

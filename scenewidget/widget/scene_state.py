@@ -11,7 +11,8 @@ from typing import Any
 import anywidget
 import traitlets
 
-from scenewidget.engine.checks import KnownNames, did_you_mean
+from scenewidget.engine.checks import FixedList, KnownNames, did_you_mean
+from scenewidget.widget.arranged import Arranged
 from scenewidget.widget.observing import FaultTolerant
 from scenewidget.widget.upright import checked_up
 
@@ -29,11 +30,38 @@ INSTEAD = {  # of state that other viewers have
     ("colors", "labels", "segments"): "call set_segments(labels)",
     ("values", "scalars"): "call set_values(values)",
     ("wireframe", "opacity", "alpha", "lights"): "the picture has none; color_mix and outlines change it",
+    ("mesh",): "another scan needs another view: SceneView(mesh)",
+}
+ASKED = {  # methods that other viewers have
+    ("set_camera", "reset_camera", "look_at", "home"): "call fit(), look_from_above(), "
+    "look_from_inside() or reset()",
+    ("show_segments", "set_labels", "color_faces"): "call set_segments(labels)",
+    ("set_colors", "set_scalars", "color_by_values"): "call set_values(values)",
+    (
+        "show",
+        "display",
+        "render",
+        "update",
+        "draw",
+        "refresh",
+    ): "it draws by itself, as the last value of a cell",
+    ("add", "add_mesh", "add_points", "load"): "a view shows one scan: make another, SceneView(mesh)",
+    ("clear", "remove", "reset_segments"): "call clear_segments()",
+    (
+        "screenshot",
+        "save",
+        "savefig",
+        "save_png",
+        "to_png",
+        "to_image",
+        "snapshot",
+        "export",
+    ): "the picture's button with the camera saves a PNG, to_html(path) a page",
 }
 
 
-class FixedList(list[Any]):
-    """A list that is exchanged as a whole: a change inside of it would reach nobody.
+class FixedPairs(FixedList):
+    """As people set it of a view.
 
     Examples
     --------
@@ -43,24 +71,17 @@ class FixedList(list[Any]):
     TypeError: a change inside of this list isn't noticed; set the whole: view.section = [...]
     """
 
-    def _refuse(self, *_: object, **__: object) -> Any:
-        raise TypeError("a change inside of this list isn't noticed; set the whole: view.section = [...]")
-
-    append = extend = insert = pop = remove = clear = sort = reverse = _refuse
-    __setitem__ = __delitem__ = __iadd__ = __imul__ = _refuse
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return (type(self), (list(self),))
+    _instead = "; set the whole: view.section = [...]"
 
 
 class Whole(traitlets.List[Any]):
     """A trait that holds a list to be exchanged as a whole."""
 
-    klass = FixedList
+    klass = FixedPairs
     _cast_types = (list, tuple)
 
 
-class SceneState(KnownNames, FaultTolerant, anywidget.AnyWidget):
+class SceneState(KnownNames, FaultTolerant, Arranged, anywidget.AnyWidget):
     """State of a picture, synced with the browser both ways.
 
     Examples
@@ -298,6 +319,10 @@ class SceneState(KnownNames, FaultTolerant, anywidget.AnyWidget):
         ways = (way for names, way in INSTEAD.items() if name in names)
         names = option_names()
         return next(ways, "") or did_you_mean(name, names, alike=LIKE) or f"there are: {', '.join(names)}"
+
+    def _place_to_get(self, name: str) -> str:
+        ways = (way for names, way in {**ASKED, **INSTEAD}.items() if name in names)
+        return next(ways, "") or super()._place_to_get(name)
 
     @traitlets.validate("section")
     def _check_section(self, proposal: Any) -> Any:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 import os
 import secrets
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -28,9 +27,9 @@ from scenewidget.engine.boxes import oriented_boxes
 from scenewidget.engine.family import Family
 from scenewidget.engine.items import Items
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+from scenewidget.engine.segmentation import Segmentation
 from scenewidget.palette import colormap_table, palette
 from scenewidget.widget.bundle import bundled
-from scenewidget.widget.deprecation import keywords_after
 from scenewidget.widget.page import make_page
 from scenewidget.widget.scene_state import LEAST_HEIGHT, SceneState, option_names, own_names
 from scenewidget.widget.segment_colors import SegmentColors
@@ -180,10 +179,9 @@ class SceneView(SceneState):
 
     # --- segments ---------------------------------------------------------------------------------
 
-    @keywords_after(1, "names", "confidence", "ids")
     def set_segments(
         self,
-        segments: IntArray,
+        segments: IntArray | Segmentation,
         *,
         levels: Mapping[str, IntArray] | None = None,
         names: Mapping[int, str] | None = None,
@@ -197,8 +195,8 @@ class SceneView(SceneState):
 
         Parameters
         ----------
-        segments : (n_faces,) int
-            Segment of each face; -1 = unlabeled, drawn grey.
+        segments : (n_faces,) int or Segmentation
+            Segment of each face; -1 = unlabeled, drawn grey. A segmentation brings its names.
         levels : mapping of name to (n_faces,) int, optional
             Part of each face at each level; -1 where there is none. Pointing at the level "final" shows
             the segments as they are now, after edits. By default the levels stay as they are.
@@ -224,6 +222,9 @@ class SceneView(SceneState):
         """
         if levels is not None and not isinstance(levels, Mapping):
             raise TypeError(f"levels must map names to labels, got {type(levels).__name__}")
+        if isinstance(segments, Segmentation):
+            known = {segment: name for segment, name in enumerate(segments.names) if name}
+            segments, names = segments.labels, known if names is None else names
         atoms, parts = self._colors.atoms, self._parts
         if levels is not None:
             columns = {name: self._checked(f"levels[{name!r}]", part) for name, part in levels.items()}
@@ -342,58 +343,6 @@ class SceneView(SceneState):
             self.set_trait("segment_names", {})
             self.set_trait("segment_groups", {})
             self.set_trait("revision", self.revision + 1)
-
-    def set_partition(
-        self,
-        levels: Mapping[str, IntArray],
-        segments: IntArray,
-        names: Mapping[int, str] | None = None,
-        confidence: npt.ArrayLike | None = None,
-        ids: IntArray | None = None,
-    ) -> None:
-        """Old name of `set_segments`, until the next release.
-
-        Parameters
-        ----------
-        levels, segments, names, confidence, ids
-            As there.
-        """
-        _warn_of("set_partition(levels, segments)", "set_segments(segments, levels=levels)")
-        if not isinstance(levels, Mapping):
-            raise TypeError(f"levels must map names to labels, got {type(levels).__name__}")
-        self.set_segments(segments, levels=levels, names=names, confidence=confidence, ids=ids)
-
-    def set_atoms(
-        self,
-        atoms: Atoms,
-        parts: Mapping[str, IntArray],
-        segments: IntArray,
-        names: Mapping[int, str] | None = None,
-        confidence: FloatArray | None = None,
-        ids: IntArray | None = None,
-        *,
-        atom_confidence: FloatArray | None = None,
-        keeps_ids: bool = False,
-    ) -> None:
-        """What `show_snapshot` shows, in pieces, until the next release.
-
-        Parameters
-        ----------
-        atoms, parts, segments, names, confidence, ids, atom_confidence
-            As in a `Snapshot`, names by segment.
-        keeps_ids : bool
-            As of `show_snapshot`.
-        """
-        _warn_of("set_atoms(atoms, parts, segments)", "show_snapshot(session.snapshot())")
-        self._show_tables(
-            atoms, parts, segments, names=names, confidence=confidence, atom_confidence=atom_confidence,
-            ids=ids, keeps_ids=keeps_ids,
-        )  # fmt: skip
-
-    def clear_partition(self) -> None:
-        """Old name of `clear_segments`, until the next release."""
-        _warn_of("clear_partition()", "clear_segments()")
-        self.clear_segments()
 
     # --- edits ------------------------------------------------------------------------------------
 
@@ -579,7 +528,7 @@ class SceneView(SceneState):
         Parameters
         ----------
         path : str or Path
-            ``.html`` is the usual ending.
+            Ends in ``.html`` or ``.htm``, or has no ending.
         title : str
             Of the page; what ``repr`` says by default.
         overwrite : bool
@@ -591,12 +540,19 @@ class SceneView(SceneState):
 
         Raises
         ------
+        ValueError
+            The name is that of another kind of file.
         FileExistsError
             Another file is there.
         OSError
             It can't be written; the file that was there is untouched.
         """
         path = checked_path(path)
+        if path.suffix.lower() not in ("", ".html", ".htm"):
+            raise ValueError(
+                f"{path.name!r} is no name for a page, which to_html writes: to_html('{path.stem}.html'); "
+                "the picture's button with the camera saves a PNG"
+            )
         if not isinstance(title, str):
             raise TypeError(f"title must be a text, got {type(title).__name__}")
         own = geometry(self.mesh)
@@ -671,9 +627,3 @@ class SceneView(SceneState):
     def _put(self, name: str, array: npt.NDArray[Any]) -> None:
         self._headers = {**self._headers, name: header(array)}
         setattr(self, f"_{name}", array.tobytes())
-
-
-def _warn_of(old: str, new: str) -> None:
-    warnings.warn(
-        f"SceneView.{old} is now {new}; the old name goes with the next release", DeprecationWarning, 3
-    )

@@ -28,6 +28,7 @@ from scenewidget.engine.params import Params
 from scenewidget.engine.pipeline import Pipeline
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.engine.stages import TITLES
+from scenewidget.widget.arranged import Arranged
 from scenewidget.widget.autosave import Autosave
 from scenewidget.widget.border_lines import border_lines
 from scenewidget.widget.columns import COLUMNS, column_values
@@ -59,7 +60,7 @@ class _LiveSegmentation(traitlets.Instance):  # type: ignore[type-arg]  # older 
         return super().get(obj, cls)
 
 
-class SceneWidget(KnownNames, FaultTolerant, widgets.VBox):
+class SceneWidget(KnownNames, FaultTolerant, Arranged, widgets.VBox):
     """Segment a scan, look at it and correct it; it displays itself as the last value of a cell.
 
     The scan shows at once, the segments as soon as they are computed. ``params`` and ``segmentation`` are
@@ -138,6 +139,7 @@ class SceneWidget(KnownNames, FaultTolerant, widgets.VBox):
     """Measures of the present segments against the truth, by name; empty without one."""
 
     _set_once = ("view", "controls", "pipeline")
+    _is_closed = False
 
     def __init__(
         self,
@@ -254,15 +256,22 @@ class SceneWidget(KnownNames, FaultTolerant, widgets.VBox):
                 f"a SceneWidget expected a Params, not the {type(value).__name__} {value!r:.100}; "
                 "write w.params = w.params.replace(n_segments=…)"
             )
+        if name == "params":
+            self._refuse_if_closed()
         super().__setattr__(name, value)
+
+    def _refuse_if_closed(self) -> None:
+        if self._is_closed:
+            raise RuntimeError(
+                "this SceneWidget is closed and computes no more, though its session and segmentation stay; "
+                "make another one: SceneWidget(mesh, params)"
+            )
 
     def _place_to_set(self, name: str) -> str:
         return place_to_set(type(self), name)
 
-    def __getattr__(self, name: str) -> Any:
-        """Say where something is that isn't here."""
-        hint = "" if name.startswith("_") else place_to_get(name)
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{hint}")
+    def _place_to_get(self, name: str) -> str:
+        return place_to_get(name) or super()._place_to_get(name)
 
     def wait(self, timeout: float | None = 60.0) -> Segmentation:
         """Block until the computation has ended, for scripts and tests.
@@ -333,6 +342,7 @@ class SceneWidget(KnownNames, FaultTolerant, widgets.VBox):
         FileNotFoundError, ProjectError
             No such file, damaged, or of another mesh; nothing has changed.
         """
+        self._refuse_if_closed()
         was_busy = self.busy
         self._worker.cancel()  # before the file is read: a late result would land over it
         if not self._worker.wait(30):
@@ -385,6 +395,7 @@ class SceneWidget(KnownNames, FaultTolerant, widgets.VBox):
         if "_worker" in vars(self):  # not if __init__ refused its mesh
             self._worker.cancel()
             self._previewer.stop()
+            self._is_closed = True
             close_all(self.view, self.controls)  # ipywidgets keeps what isn't closed, and that holds the rest
         close_all(self)
 

@@ -30,6 +30,7 @@ from scenewidget.editing.session import Session
 from scenewidget.engine.checks import KnownNames
 from scenewidget.evaluation import METRICS, evaluate
 from scenewidget.hands import agreement
+from scenewidget.widget.arranged import Arranged
 from scenewidget.widget.bundle import bundled
 from scenewidget.widget.scene_widget import SceneWidget
 
@@ -80,7 +81,7 @@ class QueueView(anywidget.AnyWidget):
         super().__init__(_esm=bundled("workbench.js"), _css=bundled("workbench.css"), **options)
 
 
-class Workbench(KnownNames, widgets.VBox):
+class Workbench(KnownNames, Arranged, widgets.VBox):
     """A queue of segmented scans, and the editor on the one that is open; the last value of a cell.
 
     The queue shows a picture of each scan, its state ("new", "begun", "to review", "done"), how much of it
@@ -142,7 +143,7 @@ class Workbench(KnownNames, widgets.VBox):
     current = traitlets.Unicode("", read_only=True)
     """The scan that is open; "" if none is."""
 
-    _set_once = ("queue", "editor")
+    _set_once = ("queue",)
 
     def __init__(
         self,
@@ -174,7 +175,7 @@ class Workbench(KnownNames, widgets.VBox):
         self._held: FileLock | None = None
         self._watch = Stopwatch()
         self._stop_hearing: Callable[[], None] | None = None
-        self.editor: SceneWidget | None = None
+        self._editor: SceneWidget | None = None
         self.queue = QueueView(person=person, has_truth=bool(self._truth))
         self.queue.on_msg(self._handle_message)
         self._place = widgets.VBox()
@@ -185,6 +186,22 @@ class Workbench(KnownNames, widgets.VBox):
     def __repr__(self) -> str:
         states = [entry.state for entry in self._work.entries.values()]
         return f"Workbench({len(states)} scans, {states.count('done')} done)"
+
+    @property
+    def editor(self) -> SceneWidget | None:
+        """On the scan that is open; None if none is."""
+        return self._editor
+
+    @property
+    def height(self) -> int:
+        """Of the editor's picture, in pixels; can be set."""
+        return self._picture_height
+
+    @height.setter
+    def height(self, height: int) -> None:
+        if self._editor is not None:
+            self._editor.height = height
+        self._picture_height = height
 
     # --- what people and scripts do ---------------------------------------------------------------
 
@@ -218,7 +235,7 @@ class Workbench(KnownNames, widgets.VBox):
                 held.release()
                 raise
             self._leave()
-            self._held, self.editor = held, editor
+            self._held, self._editor = held, editor
             self._watch = Stopwatch()
             session = editor.session
             if session is not None:
@@ -427,7 +444,7 @@ class Workbench(KnownNames, widgets.VBox):
         editor.close()
         if session is not None:
             session.close()
-        self.editor, self._held, self._stop_hearing = None, None, None
+        self._editor, self._held, self._stop_hearing = None, None, None
         self._place.children = []
         if held is not None:
             held.release()

@@ -7,7 +7,6 @@ news that it was cancelled, by callbacks from the worker's thread, never from a 
 from __future__ import annotations
 
 import logging
-import math
 import threading
 from collections.abc import Callable
 from functools import partial
@@ -38,8 +37,8 @@ def checked_timeout(timeout: object) -> float | None:
         return None
     if isinstance(timeout, bool) or not isinstance(timeout, (int, float)):
         raise TypeError(f"timeout must be a number of seconds or None, got {timeout!r:.200}")
-    if math.isnan(timeout):
-        raise ValueError("timeout must be a number of seconds or None, got nan")
+    if not timeout >= 0:
+        raise ValueError(f"timeout must be a number of seconds, at least 0, or None, got {timeout:g}")
     return float(timeout)
 
 

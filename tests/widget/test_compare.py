@@ -156,6 +156,14 @@ def test_a_page_without_the_lender_gets_the_arrays():
 def test_a_measure_that_gives_something_else_is_refused():
     with pytest.raises(TypeError, match="disagreement must take the labels of two sides, got str"):
         sw.Compare(MESH, GIVEN, GIVEN, disagreement="iou")
+    with pytest.raises(TypeError, match="labels of two sides: too many positional"):
+        sw.Compare(MESH, GIVEN, GIVEN, disagreement=lambda first: first)
+    compare = sw.Compare(MESH, GIVEN, GIVEN, disagreement=lambda first, other: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        compare.wait()
+    assert "ZeroDivisionError: division by zero (raised by disagreement" in compare.views[0].error
+    assert compare.scores["B and A"]["rand_index_error"] == 0.0
+    compare.close()
     with pytest.raises(ValueError, match="at most 8 views at once"):
         sw.Compare(MESH, *[GIVEN] * 9)
     compare = sw.Compare(MESH, GIVEN, GIVEN, disagreement=lambda first, other: 0.5)

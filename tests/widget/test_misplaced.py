@@ -1,5 +1,8 @@
 """What is given to the wrong object is refused with the place where it belongs."""
 
+import operator
+from types import SimpleNamespace
+
 import pytest
 import traitlets
 
@@ -39,6 +42,8 @@ def made():
         ("v", "zoom", "there are: back_faces, boxes"),
         ("w", "labels", "it follows from the segmentation, which w.session edits"),
         ("o", "n_segments", r"write w.params = w.params.replace\(n_segments=…\)"),
+        ("c", "params", r"each side has its own: write a = Params"),
+        ("s", "labels", r"write session.paint\(faces, onto_face\)"),
         ("s", "colour", "names of your own begin with an underscore"),
     ],
 )
@@ -74,6 +79,43 @@ def test_what_can_not_be_set_says_what_to_do(made, name, message):
         setattr(made["w"], name, 3)
 
 
+@pytest.mark.parametrize(
+    ("which", "name", "way"),
+    [
+        ("w", "pipeline", "another scan needs another widget"),
+        ("w", "view", "write w.view.color_by = …"),
+        ("w", "children", r"a box of yours holds it and more: VBox\(\[w, ...\]\)"),
+        ("c", "children", "a box of yours holds it"),
+        ("c", "views", "views of a Compare can.t be set"),
+        ("v", "mesh", r"another view: SceneView\(mesh\)"),
+        ("s", "mesh", "another scan needs another session"),
+        ("s", "edits", "merge, split, paint … add to it"),
+        ("s", "segmentation", r"session.resegment\(segmentation\)"),
+    ],
+)
+def test_what_stays_is_not_exchanged(made, which, name, way):
+    before = getattr(made[which], name)
+    with pytest.raises(AttributeError, match=way):
+        setattr(made[which], name, ())
+    after = getattr(made[which], name)
+    assert after is before or after == before
+
+
+def test_edits_are_made_not_appended(made):
+    with pytest.raises(TypeError, match="isn't noticed; merge, split, paint … make an edit"):
+        made["s"].edits.append(3)
+    assert made["s"].edits == []
+
+
+def test_a_closed_widget_computes_no_more():
+    w = sw.SceneWidget(MESH, sw.Params(n_runs=2, n_graph_runs=2), autosave=False)
+    w.wait()
+    w.close()
+    for act in (lambda: setattr(w, "params", sw.Params()), lambda: w.restore("room.swproj")):
+        with pytest.raises(RuntimeError, match="this SceneWidget is closed and computes no more"):
+            act()
+
+
 def test_a_handler_that_would_never_be_called_is_refused(made):
     with pytest.raises(ValueError, match="SceneWidget has no 'segmentations' to observe; did you mean 'seg"):
         made["w"].observe(print, "segmentations")
@@ -89,11 +131,19 @@ def test_a_handler_that_would_never_be_called_is_refused(made):
         ("show", "w as the last line of a cell"),
         ("on_click", r"w.observe\(handler, 'segmentation'\)"),
         ("screenshot", r"w.view.to_html\(path\)"),
+        ("view.screenshot", r"to_html\(path\) a page"),
+        ("view.reset_camera", r"call fit\(\)"),
+        ("session.labels", "it is session.segmentation.labels"),
+        ("session.rename", r"write session.relabel\(face, 'chair'\)"),
+        ("session.smooth", "did you mean 'smooth_border'"),
+        ("c.left", r"the pictures are views\[0\]"),
+        ("c.color_by", r"it is views\[0\].color_by"),
     ],
 )
 def test_the_way_is_told_to_what_is_done_otherwise(made, name, way):
+    made["w"].wait()
     with pytest.raises(AttributeError, match=way):
-        getattr(made["w"], name)
+        operator.attrgetter(name)(SimpleNamespace(**made) if name[1] == "." else made["w"])
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ import pytest
 from sent import array
 from shapes import grid_square
 
+import scenewidget as sw
 from scenewidget.editing import files
-from scenewidget.engine.atoms import common_refinement
 from scenewidget.engine.mesh import Mesh
 from scenewidget.widget import bundle
 from scenewidget.widget.scene_view import SceneView
@@ -132,27 +132,12 @@ def test_answers_are_kept_for_the_pages_that_asked_last(view):
     assert "39" in view._answers
 
 
-def test_the_old_ways_to_show_segments_still_work_and_say_what_is_new(view, quarters):
-    with pytest.warns(
-        DeprecationWarning, match=r"set_partition.* is now set_segments\(segments, levels=levels\)"
-    ):
-        view.set_partition({"final": quarters}, quarters, {1: "chair"}, [0.5, 1, 0, 0.25])
-    assert (view.levels, view.segment_names) == (["final"], {"1": "chair"})
-    with pytest.warns(
-        DeprecationWarning, match="set_segments takes names, confidence by keyword: names=…, confid"
-    ):
-        view.set_segments(quarters, {2: "table"}, [1, 1, 1, 1])
-    assert (view.segment_names, array(view, "segment_confidence").tolist()) == ({"2": "table"}, [1.0] * 4)
-    atoms, table = common_refinement([quarters], 32), np.arange(4)
-    with pytest.warns(DeprecationWarning, match=r"is now show_snapshot\(session.snapshot\(\)\)"):
-        view.set_atoms(atoms, {}, table)
-    with pytest.warns(DeprecationWarning, match=r"is now clear_segments\(\)"):
-        view.clear_partition()
-    assert view.n_segments == 0
-    with pytest.raises(TypeError, match="positional arguments"):
-        view.set_segments(quarters, {}, None, None, None)
-    with pytest.raises(TypeError, match="positional arguments"):
-        view.set_segments(quarters, {}, names={})
+def test_a_segmentation_brings_its_labels_and_names(view, quarters):
+    segmentation = sw.Segmentation.from_labels(view.mesh, quarters, names=("", "chair", "", ""))
+    view.set_segments(segmentation)
+    assert (view.n_segments, view.segment_names) == (4, {"1": "chair"})
+    view.set_segments(segmentation, names={2: "table"})
+    assert view.segment_names == {"2": "table"}
 
 
 def test_labels_alone_need_no_levels(view, quarters):
@@ -284,6 +269,10 @@ def test_a_page_that_can_not_be_written_says_why_and_leaves_the_old_one(view, tm
         view.to_html(3)
     with pytest.raises(TypeError, match="title must be a text, got int"):
         view.to_html(path, title=3)
+    with pytest.raises(TypeError, match="overwrite must be True or False, got 'no'"):
+        view.to_html(path, overwrite="no")
+    with pytest.raises(ValueError, match=r"'view.png' is no name for a page.*to_html\('view.html'\)"):
+        view.to_html(tmp_path / "view.png")
     with pytest.raises(FileNotFoundError, match="its folder does not exist; make it first"):
         view.to_html(tmp_path / "nowhere" / "view.html")
     full = OSError(errno.ENOSPC, "no space")

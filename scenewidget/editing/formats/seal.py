@@ -18,6 +18,7 @@ from pathlib import Path
 
 from scenewidget.editing.files import real, replacing_all
 from scenewidget.editing.formats.common import FormatError
+from scenewidget.engine.checks import checked_flag
 
 __all__ = ["SEAL", "Contents", "check_one_set", "write_files"]
 
@@ -56,7 +57,7 @@ def write_files(contents: Contents, *, asked: Path, overwrite: bool, inputs: Seq
         Disk full, no permission, …; nothing was written.
     """
     paths = list(contents)
-    if not overwrite:
+    if not checked_flag("overwrite", overwrite):
         for path in paths:
             _check_free(path, asked, inputs)
     whole = hashlib.blake2b(digest_size=DIGITS // 2)
