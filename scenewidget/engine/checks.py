@@ -150,6 +150,7 @@ class FixedList(list[Any]):
     _instead = ""  # what to write
 
     def _refuse(self, *_: object, **__: object) -> Any:
+        """Refuse to be changed in place."""
         raise TypeError(f"a change inside of this list isn't noticed{self._instead}")
 
     append = extend = insert = pop = remove = clear = sort = reverse = _refuse

@@ -38,7 +38,7 @@ def checked_timeout(timeout: object) -> float | None:
     if isinstance(timeout, bool) or not isinstance(timeout, (int, float)):
         raise TypeError(f"timeout must be a number of seconds or None, got {timeout!r:.200}")
     if not timeout >= 0:
-        raise ValueError(f"timeout must be a number of seconds, at least 0, or None, got {timeout:g}")
+        raise ValueError(f"timeout must be a number of seconds or None, got {timeout:g}")
     return float(timeout)
 
 

@@ -86,7 +86,8 @@ def test_what_waits_can_be_dropped():
 
 
 @pytest.mark.parametrize(
-    ("timeout", "error"), [("1", TypeError), (True, TypeError), ([], TypeError), (float("nan"), ValueError)]
+    ("timeout", "error"),
+    [("1", TypeError), (True, TypeError), ([], TypeError), (float("nan"), ValueError), (-1, ValueError)],
 )
 def test_a_timeout_is_a_number_of_seconds(timeout, error):
     with pytest.raises(error, match="timeout must be a number of seconds or None, got"):
