@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from scenewidget.editing.files import checked_path
+from scenewidget.editing.files import FileLock, checked_path, explain
 from scenewidget.editing.fingerprint import Fingerprint, fingerprint
 from scenewidget.editing.session import Session
 from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
@@ -45,6 +45,8 @@ class Division:
         Room of each of its faces.
     n_faces : tuple of int
         Of each room.
+    max_faces : int or None
+        Of a room, as it was divided; None if nobody knows.
     is_segmented : bool
         Whether there is a segmentation of the whole; otherwise rooms are segmented alone.
 
@@ -69,6 +71,8 @@ class Division:
         self.coarse_room = coarse_room
         self.n_faces: tuple[int, ...] = tuple(facts["faces"])
         self.is_segmented: bool = facts["is_segmented"]
+        self.max_faces: int | None = facts.get("max_faces")  # None: made before it was written down
+        self._bytes: int | None = facts.get("bytes")  # of the scan's file
         self._fingerprint = Fingerprint.from_dict(facts["mesh"])
 
     def __repr__(self) -> str:
@@ -105,7 +109,14 @@ class Division:
         OSError
             It can't be written.
         """
-        place = checked_path(folder)
+        place = _checked_folder(folder)
+        if not isinstance(mesh, Mesh) or mesh.is_cloud:
+            raise TypeError(
+                f"mesh must be a Mesh, got {type(mesh).__name__}; a cloud is not divided into rooms: "
+                "segment and edit it whole"
+            )
+        if segmentation is not None and not isinstance(segmentation, Segmentation):
+            raise TypeError(f"segmentation must be a Segmentation, got {type(segmentation).__name__}")
         if segmentation is not None and segmentation.labels.shape != (mesh.n_faces,):
             raise ValueError(
                 f"segmentation is of another mesh: it has {len(segmentation.labels)} labels, "
@@ -116,9 +127,11 @@ class Division:
         room = rooms_of(mesh, max_faces=max_faces)
         coarse, shown = coarse_mesh(mesh)
         n_rooms = int(room.max()) + 1
-        place.parent.mkdir(parents=True, exist_ok=True)
         half = place.with_name(f".{place.name}.{secrets.token_hex(4)}.tmp")
-        half.mkdir()
+        try:
+            half.mkdir(parents=True)
+        except OSError as error:
+            raise explain(error, place) from error
         try:
             order = np.argsort(room, kind="stable")
             ends = np.cumsum(np.bincount(room, minlength=n_rooms))
@@ -136,13 +149,17 @@ class Division:
                 "faces": np.bincount(room).tolist(),
                 "mesh": fingerprint(mesh).to_dict(),
                 "is_segmented": segmentation is not None,
+                "max_faces": max_faces,
+                "bytes": _size_of(mesh.source),
             }
             (half / MARK).write_text(json.dumps(facts), encoding="utf-8", newline="\n")
             if place.exists():
                 place.rmdir()  # it is empty
             half.rename(place)
-        except BaseException:
+        except BaseException as error:
             shutil.rmtree(half, ignore_errors=True)
+            if isinstance(error, OSError):
+                raise explain(error, place) from error
             raise
         return cls.open(place)
 
@@ -161,17 +178,63 @@ class Division:
         ValueError
             It is damaged.
         """
-        place = checked_path(folder)
+        place = _checked_folder(folder)
         if not (place / MARK).is_file():
             raise FileNotFoundError(f"{str(place)!r} holds no rooms; Division.make divides a scan")
         try:
             facts = json.loads((place / MARK).read_text(encoding="utf-8"))
             with np.load(place / PICTURE) as arrays:
                 return cls(place, facts, _mesh(dict(arrays)), arrays["room"])
-        except (ValueError, KeyError, EOFError, OSError) as error:
+        except (ValueError, TypeError, KeyError, EOFError, OSError) as error:
             raise ValueError(
                 f"{str(place)!r} is damaged ({error}): divide the scan again, into another folder"
             ) from error
+
+    def refuse_other(
+        self,
+        *,
+        scan: Mesh | str | os.PathLike[str] | None = None,
+        segmentation: Segmentation | None = None,
+        max_faces: int | None = None,
+    ) -> None:
+        """Raise if the folder was not made with the same; None stands for whatever it was made with.
+
+        Parameters
+        ----------
+        scan : Mesh or path, optional
+            Of a path only the size of the file counts, so that it need not be read.
+        segmentation : Segmentation, optional
+        max_faces : int, optional
+
+        Raises
+        ------
+        ValueError
+            It was made with something else, so that what is given now would be ignored.
+        """
+        place = str(self.folder)
+        size = None if scan is None or isinstance(scan, Mesh) else _size_of(scan)
+        if (isinstance(scan, Mesh) and not self.is_of(scan)) or (size and size != (self._bytes or size)):
+            raise ValueError(f"{place!r} holds the rooms of another scan; give another folder=")
+        if max_faces is not None and max_faces != self.max_faces:
+            raise ValueError(
+                f"{place!r} was divided with max_faces={self.max_faces}, not {max_faces}; "
+                "leave it out to go on there, or give another folder="
+            )
+        if segmentation is not None and not self._is_made_with(segmentation):
+            made = "another one" if self.is_segmented else "none"
+            raise ValueError(
+                f"segmentation: {place!r} was divided with {made}; "
+                "leave it out to go on there, or give another folder="
+            )
+
+    def _is_made_with(self, segmentation: Segmentation) -> bool:
+        if not self.is_segmented:
+            return False
+        return all(
+            np.array_equal(arrays["labels"], segmentation.labels[arrays["face"]])
+            for arrays in map(self._read, range(len(self.n_faces)))
+            if arrays["face"].max(initial=-1) < len(segmentation.labels)
+        ) and sum(self.n_faces) == len(segmentation.labels)
 
     def is_of(self, mesh: Mesh) -> bool:
         """Whether a mesh is the one that was divided.
@@ -205,6 +268,26 @@ class Division:
         room : int
         """
         return self.folder / f"{_name(self._checked(room))}.swproj"
+
+    def lock(self, room: int) -> tuple[FileLock | None, str]:
+        """The lock on a room, which ends with the process, or None and who has it.
+
+        Parameters
+        ----------
+        room : int
+
+        Raises
+        ------
+        OSError
+            The folder can't be written.
+        """
+        place = self.folder / _name(self._checked(room))
+        lock = FileLock(place)
+        try:
+            holder = lock.acquire()
+        except OSError as error:
+            raise explain(error, place) from error
+        return (None, holder) if holder else (lock, "")
 
     def session(
         self,
@@ -331,6 +414,21 @@ class Division:
                 f"room must be a whole number from 0 to {len(self.n_faces) - 1}, got {room!r:.200}"
             )
         return int(room)
+
+
+def _size_of(path: str | os.PathLike[str]) -> int | None:
+    """Bytes of a file; None if there is none."""
+    try:
+        return Path(path).stat().st_size if path else None
+    except OSError:
+        return None
+
+
+def _checked_folder(folder: object) -> Path:
+    place = checked_path(folder)
+    if not place.name:
+        raise ValueError(f"folder must have a name, such as 'flat.rooms', got {str(folder)!r}")
+    return place
 
 
 def _labels_of(automatic: IntArray, whole: IntArray) -> IntArray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import os
 import threading
+import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ import numpy as np
 import traitlets
 
 from scenewidget.editing.division import Division
+from scenewidget.editing.files import FileLock
 from scenewidget.engine.checks import KnownNames
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.params import Params
@@ -30,6 +32,8 @@ __all__ = ["Rooms"]
 
 CEILING = 0.85  # of the height: above it nothing is drawn of the whole, so that one looks into the rooms
 NO_ROOM = -1
+_at_work: weakref.WeakValueDictionary[str, Rooms] = weakref.WeakValueDictionary()  # by folder
+MOST_FACES = 3_000_000  # of a room, where nobody says how many
 
 
 class Rooms(KnownNames, Arranged, widgets.VBox):
@@ -46,14 +50,15 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
         A file is read only when its faces are needed: to divide it, and for the labels of the whole.
     folder : path, optional
         Where rooms and corrections are kept; by default ``<name of the scan>.rooms`` where the kernel runs.
-        What lies there goes on.
+        What lies there goes on, if it was made with the same ``segmentation`` and ``max_faces`` or you leave
+        them out.
     params : Params, optional
         For rooms that are segmented alone.
     segmentation : Segmentation, optional
         Of the whole, as `batch.tiles.segment_tiles` makes it. Without one, each room is segmented when it is
         first opened, as it would be alone.
-    max_faces : int
-        Of a room; a larger one is halved.
+    max_faces : int, optional
+        Of a room; a larger one is halved. By default 3 million.
     height : int
         Of each picture, in pixels.
 
@@ -71,7 +76,7 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
     Raises
     ------
     ValueError
-        The folder holds the rooms of another scan.
+        The folder holds the rooms of another scan, or was made with another segmentation or limit.
     FileExistsError
         It holds something else.
 
@@ -107,7 +112,7 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
         params: Params | None = None,
         *,
         segmentation: Segmentation | None = None,
-        max_faces: int = 3_000_000,
+        max_faces: int | None = None,
         height: int = 520,
     ) -> None:
         if params is not None and not isinstance(params, Params):
@@ -120,6 +125,7 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
         self._is_showing = False
         self._picture_height = height
         self._editor: SceneWidget | None = None
+        self._held: FileLock | None = None
         self.division = self._divided(folder, segmentation, max_faces)
         self.view = SceneView(self.division.coarse, height=height)
         self.view.section = [(0.0, 1.0), (0.0, 1.0), (0.0, CEILING)]
@@ -133,6 +139,11 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
         self._place = widgets.VBox()
         super().__init__([self.view, self._bar, self._place])
         self._show()
+        place = os.path.realpath(self.division.folder)
+        before = _at_work.get(place)
+        if before is not None:
+            before.close()  # a cell that was run again
+        _at_work[place] = self
 
     def __repr__(self) -> str:
         return f"Rooms({sum(self.division.n_faces)} faces, {len(self.division.n_faces)} rooms)"
@@ -168,16 +179,23 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
         Raises
         ------
         ValueError
-            No such room.
+            No such room, or one that somebody has open.
         ProjectError
             Its project is damaged.
         """
         with self._lock:
-            if room == self.current:
+            if room == self.current != NO_ROOM:
                 return
-            editor = self._editor_on(room)
+            held, holder = self.division.lock(room)
+            if held is None:
+                raise ValueError(f"room {room + 1} of the list is open elsewhere: {holder}")
+            try:
+                editor = self._editor_on(room)
+            except BaseException:
+                held.release()
+                raise
             self._close_editor()
-            self._editor = editor
+            self._editor, self._held = editor, held
             self._place.children = [editor]
             self.set_trait("current", int(room))
             self._show()
@@ -223,7 +241,7 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
     # --- inside -----------------------------------------------------------------------------------
 
     def _divided(
-        self, folder: str | os.PathLike[str] | None, segmentation: Segmentation | None, max_faces: int
+        self, folder: str | os.PathLike[str] | None, segmentation: Segmentation | None, max_faces: int | None
     ) -> Division:
         name = Path(self._scan).stem if isinstance(self._scan, str | os.PathLike) else ""
         if folder is None and not name:
@@ -232,9 +250,10 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
         try:
             division = Division.open(place)
         except FileNotFoundError:
-            return Division.make(place, self.mesh(), segmentation=segmentation, max_faces=max_faces)
-        if isinstance(self._scan, Mesh) and not division.is_of(self._scan):
-            raise ValueError(f"{str(place)!r} holds the rooms of another scan; give another folder=")
+            limit = MOST_FACES if max_faces is None else max_faces
+            return Division.make(place, self.mesh(), segmentation=segmentation, max_faces=limit)
+        scan = self._scan if isinstance(self._scan, Mesh | str | os.PathLike) else None
+        division.refuse_other(scan=scan, segmentation=segmentation, max_faces=max_faces)
         return division
 
     def _editor_on(self, room: int) -> SceneWidget:
@@ -265,6 +284,9 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
         if session is not None:
             session.close()
         self._editor = None
+        if self._held is not None:
+            self._held.release()
+            self._held = None
         self._place.children = []
         self.set_trait("current", NO_ROOM)
 

@@ -64,6 +64,27 @@ def test_without_a_segmentation_rooms_are_segmented_alone(tmp_path, mesh):
     assert rooms.project(1).exists()  # so that it need not be computed again
 
 
+def test_what_would_be_ignored_is_refused(tmp_path, mesh, whole):
+    sw.save_mesh(mesh, tmp_path / "flat.ply")
+    scan = sw.load_mesh(tmp_path / "flat.ply")
+    rooms = Division.make(tmp_path / "flat", scan, segmentation=whole, max_faces=16)
+    rooms.refuse_other(scan=scan, segmentation=whole, max_faces=16)
+    rooms.refuse_other(scan=tmp_path / "flat.ply")
+    with pytest.raises(ValueError, match="divided with max_faces=16, not 8; leave it out"):
+        rooms.refuse_other(max_faces=8)
+    for labels in (np.zeros(32, int), np.zeros(8, int)):
+        other = sw.Segmentation.from_labels(shapes.sheet(4, len(labels) // 8, width=2.0, depth=2.0), labels)
+        with pytest.raises(ValueError, match=r"segmentation: .* was divided with another one; leave it out"):
+            rooms.refuse_other(segmentation=other)
+    sw.save_mesh(shapes.sheet(4, 5, width=2.0, depth=2.0), tmp_path / "other.ply")
+    with pytest.raises(ValueError, match="holds the rooms of another scan"):
+        rooms.refuse_other(scan=tmp_path / "other.ply")
+    held, _ = rooms.lock(0)
+    assert rooms.lock(0) == (None, rooms.lock(0)[1])
+    held.release()
+    rooms.lock(0)[0].release()
+
+
 def test_nothing_foreign_goes_and_what_is_wrong_is_said(tmp_path, mesh, whole):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.txt").touch()
@@ -79,6 +100,14 @@ def test_nothing_foreign_goes_and_what_is_wrong_is_said(tmp_path, mesh, whole):
         rooms.segmentation(other)
     with pytest.raises(ValueError, match="segmentation is of another mesh"):
         Division.make(tmp_path / "x", shapes.sheet(2, 2, width=2.0, depth=2.0), segmentation=whole)
+    with pytest.raises(TypeError, match="a cloud is not divided into rooms"):
+        Division.make(tmp_path / "x", sw.PointCloud(np.eye(3)))
+    with pytest.raises(TypeError, match="segmentation must be a Segmentation, got ndarray"):
+        Division.make(tmp_path / "x", mesh, segmentation=whole.labels)
+    with pytest.raises(NotADirectoryError, match="its folder is no folder"):
+        Division.make(tmp_path / "mine" / "thesis.txt" / "x", mesh)
+    with pytest.raises(ValueError, match="folder must have a name"):
+        Division.open("")
     (tmp_path / "flat" / "room_001.npz").write_bytes(b"")
     with pytest.raises(ValueError, match=r"room_001.npz' can't be read"):
         rooms.part(0)

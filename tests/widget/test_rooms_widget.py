@@ -42,7 +42,10 @@ def test_a_click_opens_a_room_and_its_edits_are_in_the_whole(tmp_path, mesh, hal
     again = sw.Rooms(mesh, tmp_path / "flat")  # another day
     again.edit(1)
     assert len(again.editor.session.edits) == 1
-    again.close()
+    newest = sw.Rooms(mesh, tmp_path / "flat")  # the cell is run again
+    newest.edit(1)
+    assert again.editor is None
+    newest.close()
 
 
 def test_a_room_is_segmented_alone_when_it_is_opened(tmp_path, mesh, monkeypatch):
@@ -60,6 +63,12 @@ def test_a_room_is_segmented_alone_when_it_is_opened(tmp_path, mesh, monkeypatch
 
 def test_what_can_not_be_opened_is_said(tmp_path, mesh, halves):
     rooms = sw.Rooms(mesh, tmp_path / "flat", segmentation=halves)
+    held, _ = rooms.division.lock(0)  # as another kernel would
+    click(rooms, 0)
+    assert "room 1 of the list is open elsewhere: another kernel or script" in rooms._note.value
+    held.release()
+    with pytest.raises(ValueError, match="room must be a whole number from 0 to 0, got -1"):
+        rooms.edit(-1)
     with pytest.raises(ValueError, match="holds the rooms of another scan"):
         sw.Rooms(shapes.sheet(2, 2, width=1.0, depth=1.0), tmp_path / "flat")
     with pytest.raises(TypeError, match="params must be a Params, got str"):
