@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections import Counter
 from collections.abc import Collection, Iterable
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from scenewidget.batch.places import is_url
 from scenewidget.batch.worklist import STATES, Entry, Worklist
+from scenewidget.editing.files import checked_path, explain
 from scenewidget.editing.formats import export
 from scenewidget.editing.formats.scan import save_mesh
 from scenewidget.editing.formats.seal import write_files
@@ -23,7 +27,7 @@ __all__ = ["export_dataset", "split"]
 
 def export_dataset(
     worklist: Worklist,
-    target: str | Path,
+    target: str | os.PathLike[str],
     *,
     states: Collection[str] = ("done",),
     validation: float = 0.2,
@@ -74,17 +78,24 @@ def export_dataset(
         ...
     ValueError: states may hold 'new', 'begun', 'review', 'done', got 'finished'
     """
+    if isinstance(states, str):
+        raise TypeError(f"states must be a collection, such as [{states!r}], got a single str")
     unknown = [state for state in states if state not in STATES]
     if unknown:
         raise ValueError(f"states may hold {', '.join(map(repr, STATES))}, got {unknown[0]!r}")
-    if not 0 <= validation <= 1:
+    if not isinstance(validation, Real) or not 0 <= validation <= 1:
         raise ValueError(f"validation must lie in [0, 1], got {validation!r}")
     chosen = [e for e in worklist.entries.values() if e.state in states and not e.has_failed]
     if not chosen:
         raise ValueError(
-            f"no scan is {' or '.join(states)} yet; correct some, or give states={STATES} for all of them"
+            f"no scan is {' or '.join(states) or 'chosen'} yet; correct some, or give states={STATES} "
+            "for all of them"
         )
-    place = Path(target)
+    place = checked_path(target)
+    if is_url(target):
+        raise ValueError(
+            f"target must be a folder of this machine, got {target!r}: export, then send it there"
+        )
     scenes = _scene_names(entry.scan for entry in chosen)
     train, held_out = split(scenes.values(), validation, seed)
     rows, names = [], []
@@ -93,7 +104,10 @@ def export_dataset(
         labels = worklist.agreed(entry, mesh) if agreed else worklist.labels(entry, mesh)
         scene = scenes[entry.scan]
         folder = place / "scans" / scene
-        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise explain(error, folder) from error
         save_mesh(mesh, folder / f"{scene}_vh_clean_2.ply", overwrite=overwrite)
         export(labels, mesh, folder / f"{scene}.aggregation.json", "scannet", overwrite=overwrite)
         counted = _counted(entry, scene, labels, scene in held_out)

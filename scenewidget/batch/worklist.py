@@ -19,7 +19,7 @@ import pandas as pd
 from scenewidget.batch.folders import LABELS, hands, project_name, read_labels
 from scenewidget.batch.picture import PICTURE
 from scenewidget.batch.rows import FAILED, ROW, parse_row
-from scenewidget.editing.files import FileLock, replacing
+from scenewidget.editing.files import FileLock, explain, replacing
 from scenewidget.editing.session import Session
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.params import Params
@@ -157,9 +157,9 @@ class Worklist:
             folder=folder,
             row=row,
             state=state if state in STATES else "new",
-            seconds={str(k): float(v) for k, v in work.get("seconds", {}).items()},
-            edits=int(work.get("edits", 0)),
-            errors=work.get("errors", {}),
+            seconds=_numbers(work.get("seconds")),
+            edits=edits if isinstance(edits := work.get("edits"), int) else 0,
+            errors=_numbers(work.get("errors")),
         )
 
     @property
@@ -227,7 +227,10 @@ class Worklist:
         scan : str
         """
         lock = FileLock(self.entries[scan].folder / self._work_name)
-        holder = lock.acquire()
+        try:
+            holder = lock.acquire()
+        except OSError as error:
+            raise explain(error, self.entries[scan].folder) from error
         return (None, holder) if holder else (lock, "")
 
     def open(self, scan: str, mesh: Mesh) -> Session:
@@ -366,6 +369,12 @@ class Stopwatch:
         now = time.monotonic()
         spent, self._last = min(now - self._last, IDLE), now
         return spent
+
+
+def _numbers(found: object) -> dict[str, float]:
+    """Those entries that are numbers: the file may have been edited by hand."""
+    entries = found.items() if isinstance(found, dict) else ()
+    return {str(name): float(value) for name, value in entries if isinstance(value, int | float)}
 
 
 def _plain(person: str) -> str:

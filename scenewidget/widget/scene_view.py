@@ -87,11 +87,7 @@ class SceneView(SceneState):
         unknown = sorted(set(options) - set(self.class_trait_names()))
         if unknown:
             raise TypeError(f"SceneView has no option {unknown[0]!r}; there are: {', '.join(option_names())}")
-        height = options.get("height", 560)
-        if isinstance(height, bool) or not isinstance(height, int):
-            raise TypeError(f"height must be a whole number of pixels, got {height!r:.200}")
-        if height < LEAST_HEIGHT:
-            raise ValueError(f"height must be at least {LEAST_HEIGHT} pixels, got {height}")
+        check_height(options.get("height", 560))
         self.mesh = mesh
         self._colors = SegmentColors(mesh)
         self._parts: dict[str, IntArray] = {}  # of each atom, by level
@@ -627,3 +623,19 @@ class SceneView(SceneState):
     def _put(self, name: str, array: npt.NDArray[Any]) -> None:
         self._headers = {**self._headers, name: header(array)}
         setattr(self, f"_{name}", array.tobytes())
+
+
+def check_height(height: object) -> None:
+    """TypeError or ValueError if a picture can't be so high.
+
+    Examples
+    --------
+    >>> check_height(100)
+    Traceback (most recent call last):
+        ...
+    ValueError: height must be at least 120 pixels, got 100
+    """
+    if isinstance(height, bool) or not isinstance(height, int):
+        raise TypeError(f"height must be a whole number of pixels, got {height!r:.200}")
+    if height < LEAST_HEIGHT:
+        raise ValueError(f"height must be at least {LEAST_HEIGHT} pixels, got {height}")

@@ -22,7 +22,7 @@ import ipywidgets as widgets
 import traitlets
 
 from scenewidget.batch.dataset import export_dataset
-from scenewidget.batch.folders import labeled, named_alike, read_labels
+from scenewidget.batch.folders import labels_for, named_alike, read_labels
 from scenewidget.batch.picture import PICTURE, thumbnail
 from scenewidget.batch.worklist import Entry, State, Stopwatch, Worklist
 from scenewidget.editing.files import FileLock, replacing
@@ -32,6 +32,7 @@ from scenewidget.evaluation import METRICS, evaluate
 from scenewidget.hands import agreement
 from scenewidget.widget.arranged import Arranged
 from scenewidget.widget.bundle import bundled
+from scenewidget.widget.scene_view import check_height
 from scenewidget.widget.scene_widget import SceneWidget
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 
 __all__ = ["QueueView", "Workbench"]
 
+LONGEST = 80  # letters of a person's name, which is part of the names of files
 MOST_PICTURES = 60  # that the page may ask for in one go
 _at_work: weakref.WeakValueDictionary[tuple[str, str, bool], Workbench] = weakref.WeakValueDictionary()
 
@@ -162,13 +164,23 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
             raise ValueError(
                 f"a workbench wants a folder of this machine, and {out!r} is a URL: fetch it first"
             )
-        person = _account() if person is None else str(person)
+        if not (person is None or (isinstance(person, str) and person.strip() and len(person) <= LONGEST)):
+            raise ValueError(
+                f"person must be a name of at most {LONGEST} letters, such as 'ann', got {person!r:.200}"
+            )
+        if not isinstance(own, bool):
+            raise TypeError(f"own must be True or False, got {own!r:.200}")
+        if scans is not None and not Path(scans).is_dir():
+            raise ValueError(f"scans must be the folder of the scans, and {str(scans)!r} is none")
+        check_height(height)
+        person = person or _account()
         key = (os.path.realpath(out), person, own)
         before = _at_work.get(key)
         if before is not None:
             before.close()  # a cell that was run again
         self._work = Worklist(Path(out), person, own=own)
-        self._truth, self._gold = _files_in(truth), _files_in(gold)
+        names = list(self._work.entries)
+        self._truth, self._gold = _files_of("truth", truth, names), _files_of("gold", gold, names)
         self._scans = None if scans is None else Path(scans)
         self._picture_height = height
         self._lock = threading.RLock()
@@ -385,7 +397,7 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
         """
         options: dict[str, Any] = {"states": states, "validation": validation, "seed": seed}
         options |= {"scans": self._scans, "agreed": agreed, "overwrite": overwrite}
-        return export_dataset(self._work, Path(target), **options)
+        return export_dataset(self._work, target, **options)
 
     def close(self) -> None:
         """Leave the scan that is open, saved, and take the widgets off the page."""
@@ -501,6 +513,7 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
         return order[at:] + order[:at]
 
     def _open_first(self, scans: list[str], *, any_state: bool = False) -> str:
+        trouble: Exception | None = None
         for scan in scans:
             entry = self._work.reread(scan)
             if scan == self.current or (entry.state == "done" and not any_state):
@@ -509,8 +522,15 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
             if held is None:
                 continue  # open elsewhere
             held.release()
-            self.edit(scan)
+            try:
+                self.edit(scan)
+            except (OSError, ValueError, TypeError) as error:  # a damaged project holds nobody up
+                trouble = trouble or type(error)(f"{scan!r} was passed over: {error}")
+                continue
+            self.queue.note = "" if trouble is None else str(trouble)
             return scan
+        if trouble is not None:
+            raise trouble
         return ""
 
     # --- the page ---------------------------------------------------------------------------------
@@ -566,8 +586,16 @@ def _shown(entry: Entry) -> dict[str, Any]:
     }
 
 
-def _files_in(folder: str | os.PathLike[str] | None) -> dict[str, Path]:
-    return {} if folder is None else {name: file.path for name, file in labeled(Path(folder)).items()}
+def _files_of(argument: str, place: object, scans: list[str]) -> dict[str, Path]:
+    """Files of true labels by scan, or by its name without suffix."""
+    if place is None:
+        return {}
+    if not isinstance(place, str | os.PathLike):
+        raise TypeError(f"{argument} must be a folder or a file, got {type(place).__name__}")
+    try:
+        return {name: file.path for name, file in labels_for(Path(place), scans).items()}
+    except ValueError as error:
+        raise ValueError(f"{argument}: {error}") from error
 
 
 def _number(value: Any) -> float | None:

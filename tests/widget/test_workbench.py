@@ -101,6 +101,21 @@ def test_two_people_on_copies_of_their_own_can_be_compared_and_measured(out, tmp
     assert bench.export(tmp_path / "own", validation=0).segments.tolist() == [1]  # Bob's
 
 
+def test_what_is_damaged_holds_nobody_up(out):
+    (out / "b.ply" / "b.swproj").write_text("junk")
+    (out / "b.ply" / "work.json").write_text('{"seconds": [1], "edits": "x", "errors": {"a": "b"}}')
+    bench = sw.Workbench(out, "ann")
+    assert bench.next() == "a.ply"
+    assert "'b.ply' was passed over: 'b.swproj' is damaged or no project" in bench.queue.note
+    with pytest.raises(ValueError, match="was passed over"):
+        bench.next()
+    with pytest.raises(TypeError, match="states must be a collection"):
+        bench.export(out / "set", states="new")
+    with pytest.raises(ValueError, match="target must be a folder of this machine"):
+        bench.export("s3://bucket/set", states=["new"])
+    bench.close()
+
+
 def test_bad_input_is_explained(out, tmp_path):
     with pytest.raises(ValueError, match="no results in"):
         sw.Workbench(tmp_path / "truth")
@@ -108,6 +123,16 @@ def test_bad_input_is_explained(out, tmp_path):
         sw.Workbench("s3://bucket/out")
     with pytest.raises(TypeError, match="out must be a folder"):
         sw.Workbench(3)
+    for options, error, message in (
+        ({"person": ""}, ValueError, "person must be a name of at most 80 letters"),
+        ({"own": "yes"}, TypeError, "own must be True or False"),
+        ({"height": 20}, ValueError, "height must be at least"),
+        ({"scans": "gone"}, ValueError, "scans must be the folder of the scans"),
+        ({"truth": 3}, TypeError, "truth must be a folder or a file, got int"),
+        ({"gold": "gone"}, ValueError, "gold: 'gone' does not exist"),
+    ):
+        with pytest.raises(error, match=message):
+            sw.Workbench(out, **options)
     bench = sw.Workbench(out)
     with pytest.raises(ValueError, match="there is no scan"):
         bench.edit("c.ply")
