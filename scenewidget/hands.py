@@ -135,30 +135,33 @@ def _by_segment(
 
     rows, index = [], []
     for first, second in itertools.permutations(labels, 2):
-        a, b = labels[first], labels[second]
+        (a_ids, a), (b_ids, b) = (_dense(labels[person]) for person in (first, second))
         keep = (a >= 0) & (b >= 0)
         of_first, of_second = (_named(annotations[person]) for person in (first, second))
-        sizes = np.zeros((int(a.max(initial=-1)) + 1, int(b.max(initial=-1)) + 1))
+        sizes = np.zeros((len(a_ids), len(b_ids)))
         np.add.at(sizes, (a[keep], b[keep]), 1.0 if weights is None else weights[keep])
         own, other = sizes.sum(axis=1), sizes.sum(axis=0)
         union = own[:, None] + other - sizes
         iou = np.divide(sizes, union, out=np.zeros_like(sizes), where=union > 0)
         is_labeled = a >= 0
         size = np.bincount(a[is_labeled], None if weights is None else weights[is_labeled]).astype(float)
-        for segment in np.unique(a[a >= 0]).tolist():
-            match = int(iou[segment].argmax()) if own[segment] > 0 else -1
+        for k, segment in enumerate(a_ids.tolist()):
+            best = int(iou[k].argmax()) if own[k] > 0 else -1
+            match = int(b_ids[best]) if best >= 0 else -1
             index.append((first, second, segment))
             rows.append(
                 {
                     "name": _name_of(of_first, segment),
-                    "size": float(size[segment]),
+                    "size": float(size[k]),
                     "match": match,
                     "match_name": _name_of(of_second, match),
-                    "iou": iou[segment, match] if match >= 0 else np.nan,
-                    "outside": 1 - sizes[segment, match] / own[segment] if match >= 0 else np.nan,
+                    "iou": iou[k, best] if best >= 0 else np.nan,
+                    "outside": 1 - sizes[k, best] / own[k] if best >= 0 else np.nan,
                 }
             )
-    table = pd.DataFrame(rows, index=pd.MultiIndex.from_tuples(index, names=["first", "second", "segment"]))
+    columns = ["name", "size", "match", "match_name", "iou", "outside"]
+    keys = pd.MultiIndex.from_tuples(index or [("", "", 0)], names=["first", "second", "segment"])
+    table = pd.DataFrame(rows, index=keys[: len(index)], columns=columns)
     return table.sort_values(["iou", "size"], ascending=[True, False], kind="stable")
 
 
@@ -188,6 +191,13 @@ def _by_name(
     columns = ["size_first", "size_second", "iou"]
     keys = pd.MultiIndex.from_tuples(index, names=["first", "second", "name"]) if index else None
     return pd.DataFrame(rows, index=keys, columns=columns).sort_values("iou", kind="stable")
+
+
+def _dense(labels: IntArray) -> tuple[IntArray, IntArray]:
+    """Segments in ascending order, and which of them each face is in; -1 for none."""
+    ids, dense = np.unique(labels, return_inverse=True)
+    n_none = int((ids < 0).sum())
+    return ids[n_none:], np.maximum(dense.astype(np.int64) - n_none, -1)
 
 
 def _name_of(names: list[str], segment: int) -> str:

@@ -183,8 +183,8 @@ def test_progress_goes_to_stderr_and_the_table_to_stdout(capsys, scans, tmp_path
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--workers", "-1"], "n_workers must be a whole number"),
-        (["--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "with client= leave it out"),
+        (["--workers", "-1"], "--workers must be a whole number"),
+        (["--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "with --scheduler leave it out"),
         (["--set", "n_segment=3"], "did you mean 'n_segments'"),
         (["--set", "n_segments"], "--set takes name=value, such as n_segments=30, got 'n_segments'"),
         (["--set", "n_segments=0"], "n_segments must lie in"),

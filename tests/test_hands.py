@@ -190,6 +190,14 @@ def test_bad_input_is_named(function, annotations, mesh, error, message):
         function(annotations, mesh)
 
 
+def test_segments_may_have_any_numbers_and_there_may_be_none():
+    far = halves(0, 0, 1, 1) + 2**40
+    table = sw.agreement({"a": far, "b": halves(0, 0, 1, 1)}, MESH, per="segment")
+    assert table.loc[("a", "b", 2**40 + 1), ["match", "iou"]].tolist() == [1, 1.0]
+    nothing = np.full(MESH.n_faces, -1)
+    assert len(sw.agreement({"a": nothing, "b": nothing}, MESH, per="segment")) == 0
+
+
 def test_one_annotation_agrees_with_nobody():
     with pytest.raises(ValueError, match="holds only 'a'; agreement takes two or more"):
         sw.agreement({"a": halves(0, 0, 1, 1)}, MESH)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import threading
 import time
 import uuid
@@ -74,9 +75,10 @@ class _OnDisk:
 
     def __init__(self, folder: Path) -> None:
         made = [place for place in (folder, *folder.parents) if not place.exists()]
-        if folder.exists() and not folder.is_dir():
+        if os.path.lexists(folder) and not folder.is_dir():
+            what = "a file" if folder.exists() else "a link to nowhere"
             raise NotADirectoryError(
-                f"out must be a folder, and {str(folder)!r} is a file; choose another place"
+                f"out must be a folder, and {str(folder)!r} is {what}; choose another place"
             )
         try:
             folder.mkdir(parents=True, exist_ok=True)

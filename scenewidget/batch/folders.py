@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import shutil
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -28,11 +28,13 @@ __all__ = [
     "Labeled",
     "hands",
     "labeled",
+    "labels_for",
     "mesh_of",
     "named_alike",
     "own_copies",
     "project_name",
     "read_labels",
+    "some",
 ]
 
 LABELS = (  # of several files of one scan the first is read: a project may hold corrections
@@ -78,6 +80,41 @@ def labeled(path: Path) -> dict[str, Labeled]:
     if not found:
         raise ValueError(f"no labels in {str(path)!r}; looked for files that end in {', '.join(LABELS)}")
     return dict(sorted(found.items()))
+
+
+def labels_for(path: Path, scans: Collection[str]) -> dict[str, Labeled]:
+    """Files of labels by names under which `named_alike` finds some of these scans.
+
+    One file is of the scan that is called like it, or of the only one that there is.
+
+    Raises
+    ------
+    ValueError
+        None is of any of them.
+    """
+    files = labeled(path)
+    if "" in files:
+        rank = _rank(path)
+        name = path.name[: -len(LABELS[rank])] if rank < len(LABELS) else path.stem
+        alike = [scan for scan in scans if Path(scan).stem == name] or list(scans)
+        files = {alike[0] if len(alike) == 1 else name: files[""]}
+    if all(named_alike(scan, files) is None for scan in scans):
+        raise ValueError(
+            f"no scan has labels in {str(path)!r}: it has {some(files)}, and scans are {some(scans)}"
+        )
+    return files
+
+
+def some(names: Iterable[str]) -> str:
+    """A few of many names, for a message.
+
+    Examples
+    --------
+    >>> some("dcab")
+    "'a', 'b', 'c' …"
+    """
+    listed = sorted(names)
+    return ", ".join(map(repr, listed[:3])) + (" …" if len(listed) > 3 else "")
 
 
 def own_copies(path: Path) -> dict[str, dict[str, Labeled]]:

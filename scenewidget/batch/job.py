@@ -81,8 +81,14 @@ def run_job(
     row = empty_row(job.scan)
     start = time.perf_counter()
     reset_peak()
+
+    def learn(known: dict[str, Any]) -> None:
+        row["faces"] = known["faces"]
+        if foretell is not None:
+            foretell(known)
+
     try:
-        row |= _row(job, limit, tell, foretell)
+        row |= _row(job, limit, tell, learn)
     except _TooLargeError as error:
         row |= {"status": "too large", "error": str(error)}
     except MemoryError:
@@ -163,7 +169,7 @@ def _row(
     job: Job,
     limit: int | None,
     tell: Callable[[str], None] | None,
-    foretell: Callable[[dict[str, Any]], None] | None,
+    foretell: Callable[[dict[str, Any]], None],
 ) -> dict[str, Any]:
     """What is known of a scan in the end: done or reused."""
     start = time.perf_counter()
@@ -222,7 +228,7 @@ def _segmented(
     job: Job,
     limit: int | None,
     tell: Callable[[str], None] | None,
-    foretell: Callable[[dict[str, Any]], None] | None,
+    foretell: Callable[[dict[str, Any]], None],
 ) -> tuple[Segmentation, list[str]]:
     """The segmentation of a scan, and the warnings on the way."""
     stage = ""
@@ -237,8 +243,7 @@ def _segmented(
         warnings.simplefilter("always", UserWarning)
         mesh = load(path, units=job.units)
         need = what_it_takes(mesh.n_faces, is_judged=job.truth != "", tile_faces=job.tile_faces)
-        if foretell is not None:
-            foretell({"scan": job.scan, "faces": mesh.n_faces, "need": need})
+        foretell({"scan": job.scan, "faces": mesh.n_faces, "need": need})
         if limit is not None and need > limit:
             raise _TooLargeError(need, limit)
         hear = None if tell is None else progress

@@ -7,11 +7,12 @@ folder before they are sent; fsspec, which comes with Dask, knows the stores.
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 import re
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -31,9 +32,11 @@ __all__ = [
     "local_copy",
     "referred",
     "scans_in",
+    "without_dots",
 ]
 
 SCANS = tuple(f".{kind}" for kind in (*MESHES, "pcd", "las", "laz", "e57", "xyz", "pts"))
+_WANTED = "scans must be a folder, a pattern, or a list of paths or URLs"
 LISTED = 64_000  # bytes at the beginning of an OBJ in which it names its materials
 
 
@@ -120,14 +123,13 @@ def scans_in(scans: Any) -> dict[str, Scan]:
     ValueError: 'no/such/folder' does not exist; give files, folders or a pattern such as 'scans/*.ply'
     """
     given = [scans] if isinstance(scans, str | os.PathLike) else scans
-    given = list(given) if isinstance(given, Iterable) else [given]
+    if isinstance(given, bytes | Mapping) or not isinstance(given, Iterable):
+        raise TypeError(f"{_WANTED}, got {type(scans).__name__}")
+    given = list(given)
     strange = [path for path in given if not isinstance(path, str | os.PathLike)]
     if strange:
-        raise TypeError(
-            "scans must be a folder, a pattern, or a list of paths or URLs, "
-            f"got {type(scans if len(given) == 1 else strange[0]).__name__}"
-        )
-    if not given:
+        raise TypeError(f"{_WANTED}, got one with {type(strange[0]).__name__}")
+    if not given or "" in given:
         raise ValueError("scans is empty: give a folder, a pattern such as 'scans/*.ply', or a list of files")
     given = [path.removeprefix("file://") if isinstance(path, str) else path for path in given]
     urls = [str(path) for path in given if is_url(path)]
@@ -138,7 +140,8 @@ def scans_in(scans: Any) -> dict[str, Scan]:
                 raise ValueError(f"two scans are called {name!r}: {found[name].path} and {scan.path}")
     if not found:
         listed = ", ".join(SCANS)
-        raise ValueError(f"no scans in {', '.join(map(str, given))}; looked for files that end in {listed}")
+        places = ", ".join(repr(str(path)) for path in given)
+        raise ValueError(f"no scans in {places}; looked for files that end in {listed}")
     return dict(sorted(found.items()))
 
 
@@ -159,9 +162,24 @@ def _local(paths: Sequence[Path]) -> dict[str, Scan]:
             )
     if not found:
         return {}
-    absolute = sorted(found)
-    root = paths[0].absolute() if len(paths) == 1 and paths[0].is_dir() else _common_folder(absolute)
+    absolute = sorted({without_dots(path) for path in found})
+    root = (
+        without_dots(paths[0].absolute())
+        if len(paths) == 1 and paths[0].is_dir()
+        else _common_folder(absolute)
+    )
     return {_readable(p.relative_to(root)): Scan(str(p), _size(p)) for p in absolute}
+
+
+def without_dots(path: Path) -> Path:
+    """A path without "..": names of scans are names of folders below ``out``, and must not lead out of it.
+
+    Examples
+    --------
+    >>> without_dots(Path("/scans/kitchen/../bath.ply")).name
+    'bath.ply'
+    """
+    return path.parent.resolve() / path.name if ".." in path.parts else path
 
 
 def _readable(path: Path) -> str:
@@ -334,10 +352,7 @@ class LocalFolder:
 
     def write(self, name: str, text: str) -> None:
         """Write a small file, whole or not at all."""
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise explain(error, self.path) from error
+        self._make()
         with replacing(self.path / name) as temporary:
             temporary.write_text(text, encoding="utf-8", newline="\n")
 
@@ -356,8 +371,20 @@ class LocalFolder:
     @contextlib.contextmanager
     def writing(self) -> Iterator[Path]:
         """A folder to write files into; they are at their place when the block ends well."""
-        self.path.mkdir(parents=True, exist_ok=True)
+        self._make()
         yield self.path
+
+    def _make(self) -> None:
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except FileExistsError as error:
+            raise NotADirectoryError(
+                errno.ENOTDIR,
+                "a file is where the folder of its results should be; move it away",
+                str(self.path),
+            ) from error
+        except OSError as error:
+            raise explain(error, self.path) from error
 
 
 class RemoteFolder:

@@ -47,8 +47,9 @@ def parse_row(text: str) -> dict[str, Any] | None:
         row = json.loads(text)
     except ValueError:
         return None
-    is_ours = isinstance(row, dict) and isinstance(row.get("scan"), str) and isinstance(row.get("key"), str)
-    return row if is_ours and isinstance(row.get("files"), dict) else None
+    is_ours = isinstance(row, dict) and all(isinstance(row.get(name), str) for name in ("scan", "key"))
+    are_numbers = is_ours and all(isinstance(row.get(name), int | float | None) for name in COLUMNS[3:])
+    return row if are_numbers and isinstance(row.get("files"), dict) else None
 
 
 def read_row(path: Path) -> dict[str, Any] | None:

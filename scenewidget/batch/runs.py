@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 from scenewidget.batch.claims import claim
 from scenewidget.batch.clients import check_where
-from scenewidget.batch.folders import labeled, named_alike
-from scenewidget.batch.places import is_url, join, scans_in
+from scenewidget.batch.folders import labels_for, named_alike, some
+from scenewidget.batch.places import is_url, join, scans_in, without_dots
 from scenewidget.batch.plan import FORMATS, Job
 from scenewidget.batch.pools import open_pool
 from scenewidget.batch.progress import shown
 from scenewidget.batch.rows import COLUMNS, STATUSES
 from scenewidget.batch.schedule import work_through
-from scenewidget.editing.files import is_blind_to_case
+from scenewidget.editing.files import is_blind_to_case, real
 from scenewidget.engine.checks import checked_count
 from scenewidget.engine.params import Params
 
@@ -328,6 +328,10 @@ def planned(
     """
     if not isinstance(out, str | os.PathLike):
         raise TypeError(f"out must be a folder or URL, got {type(out).__name__}")
+    if not os.fspath(out):
+        raise ValueError("out is empty: name a folder for the results, such as 'out'; '.' is this one")
+    if not isinstance(resume, bool):
+        raise TypeError(f"resume must be True or False, got {resume!r}")
     if params is not None and not isinstance(params, Params):
         raise TypeError(f"params must be a Params, got {type(params).__name__}")
     if units is not None and units not in UNITS:
@@ -335,7 +339,7 @@ def planned(
     check_where(client, n_workers)
     place = os.fspath(out).removeprefix("file://")
     if not is_url(place):
-        place = str(Path(place).absolute())
+        place = str(without_dots(Path(place).absolute()))
     found = scans_in(scans)
     outside = {name: scan for name, scan in found.items() if not _is_below(scan.path, place)}
     if not outside:
@@ -360,12 +364,17 @@ def _weight(job: Job) -> int:
 
 
 def _is_below(path: str, folder: str) -> bool:
-    return path.startswith(folder.rstrip("/") + "/") if is_url(path) else Path(path).is_relative_to(folder)
+    if is_url(path):
+        return path.startswith(folder.rstrip("/") + "/")
+    return Path(path).is_relative_to(folder) or real(Path(path).parent).is_relative_to(real(Path(folder)))
 
 
 def _checked_formats(formats: Any) -> tuple[str, ...]:
     if isinstance(formats, str):
         formats = (formats,)
+    formats = list(formats) if isinstance(formats, Iterable) else formats
+    if not isinstance(formats, list) or not all(isinstance(name, str) for name in formats):
+        raise TypeError(f"formats must be a list of names, such as ['npz', 'swproj'], got {formats!r}")
     chosen = tuple(dict.fromkeys(formats))
     unknown = [name for name in chosen if name not in FORMATS]
     if unknown or not chosen:
@@ -385,27 +394,22 @@ def _truths(truth: Any, scans: Sequence[str]) -> dict[str, str]:
     if truth is None:
         return {}
     if isinstance(truth, Mapping):
-        strange = [name for name in truth if name not in scans]
+        named = {scan: name for scan in scans if (name := named_alike(scan, truth)) is not None}
+        strange = [name for name in truth if name not in named.values()]
         if strange:
-            raise ValueError(f"truth has {strange[0]!r}, which is no scan; scans are {_some(scans)}")
+            raise ValueError(f"truth has {strange[0]!r}, which is no scan; scans are {some(scans)}")
+        odd = [path for path in truth.values() if not isinstance(path, str | os.PathLike)]
+        if odd:
+            raise TypeError(f"truth must map scans to files of labels, got {type(odd[0]).__name__}")
         missing = [path for path in truth.values() if not Path(path).is_file()]
         if missing:
             raise ValueError(f"truth: {str(missing[0])!r} does not exist")
-        return {name: str(Path(path).absolute()) for name, path in truth.items()}
+        return {scan: str(Path(truth[name]).absolute()) for scan, name in named.items()}
     if not isinstance(truth, str | os.PathLike):
         raise TypeError(f"truth must be a folder, a file, or map scans to files, got {type(truth).__name__}")
-    files = labeled(Path(truth))
+    files = labels_for(Path(truth), scans)
     found = {scan: files[name] for scan in scans if (name := named_alike(scan, files)) is not None}
-    if not found:
-        raise ValueError(
-            f"no scan has labels in {str(truth)!r}: it has {_some(files)}, and scans are {_some(scans)}"
-        )
     return {scan: str(file.path.absolute()) for scan, file in found.items()}
-
-
-def _some(names: Any) -> str:
-    listed = sorted(names)
-    return ", ".join(map(repr, listed[:3])) + (" …" if len(listed) > 3 else "")
 
 
 def _refuse_shared_folders(folder: Path, scans: Iterable[str]) -> None:

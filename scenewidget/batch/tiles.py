@@ -12,6 +12,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -87,6 +88,8 @@ def segment_tiles(
     """
     if isinstance(mesh, PointCloud) or not isinstance(mesh, Mesh):
         raise TypeError(f"mesh must be a Mesh, got {type(mesh).__name__}")
+    if params is not None and not isinstance(params, Params):
+        raise TypeError(f"params must be a Params, got {type(params).__name__}")
     _check_overlap(overlap)
     centers = _places(mesh)
     boxes = _boxes(centers, max_faces)
@@ -213,7 +216,8 @@ def tiles(mesh: Mesh, *, max_faces: int, overlap: float) -> list[IntArray]:
 
 
 def _check_overlap(overlap: float) -> None:
-    if not (isinstance(overlap, int | float) and np.isfinite(overlap) and overlap >= 0):
+    is_number = isinstance(overlap, Real) and not isinstance(overlap, bool)
+    if not (is_number and np.isfinite(overlap) and overlap >= 0):
         raise ValueError(f"overlap must be a length in metres from 0 on, got {overlap!r}")
 
 

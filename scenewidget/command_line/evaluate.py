@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import scenewidget as sw
-from scenewidget.batch.folders import Labeled, labeled, mesh_of, own_copies, read_labels
+from scenewidget.batch.folders import Labeled, labeled, mesh_of, own_copies, read_labels, some
 from scenewidget.command_line.shared import add_output, show, tell
 from scenewidget.evaluation import METRICS
 
@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     truth = labeled(options.truth)
     if not set(ours) & set(truth):
         raise ValueError(
-            f"no scan has labels in both: {options.out} has {_some(ours)}, {options.truth} has {_some(truth)}"
+            f"no scan has labels in both: {options.out} has {some(ours)}, {options.truth} has {some(truth)}"
         )
     rows = []
     for name, found in ours.items():
@@ -85,8 +85,3 @@ def _copies(out: Path, person: str) -> dict[str, Labeled]:
         listed = ", ".join(people) or "nobody"
         raise ValueError(f"{person!r} has no copies of their own in {str(out)!r}; {listed} has")
     return people[person]
-
-
-def _some(names: Any) -> str:
-    listed = sorted(names)
-    return ", ".join(map(repr, listed[:3])) + (" …" if len(listed) > 3 else "")

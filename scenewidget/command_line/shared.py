@@ -35,7 +35,11 @@ def as_flags(text: str) -> str:
     --------
     >>> as_flags('replace it with overwrite=True, or load it with units="mm"')
     'replace it with --overwrite, or load it with --units mm'
+    >>> as_flags("n_workers is for a cluster of our own; with client= leave it out")
+    '--workers is for a cluster of our own; with --scheduler leave it out'
     """
+    text = re.sub(r"\bclient(=| must)", lambda m: "--scheduler" + m[1].strip("="), text)
+    text = re.sub(r"\bn_workers\b", "--workers", text)
     return FLAGS.sub(lambda m: f"--{m[1].replace('_', '-')}" + (f" {m[2]}" if m[2] else ""), text)
 
 

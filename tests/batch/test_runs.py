@@ -95,6 +95,9 @@ def test_urls_in_and_out(tmp_path):
         ({"units": "miles"}, "units must be one of"),
         ({"scans": "no/such"}, "does not exist; give files, folders or a pattern"),
         ({"scans": []}, "scans is empty"),
+        ({"scans": ""}, "scans is empty"),
+        ({"out": ""}, "out is empty"),
+        ({"truth": {"bath/a": "gone.npz"}}, "'gone.npz' does not exist"),
         ({"scans": "nowhere://a"}, "can't be opened"),
     ],
 )
@@ -119,11 +122,58 @@ def test_wrong_kinds_are_type_errors(scans, tmp_path):
         ({"scans": 3}, "scans must be a folder"),
         ({"out": 3}, "out must be a folder"),
         ({"truth": 3}, "truth must be a folder"),
+        ({"truth": {"bath/a": 3}}, "truth must map scans to files of labels, got int"),
+        ({"scans": [scans, 3]}, "scans must be a folder.* got one with int"),
+        ({"scans": {"a": scans}}, "scans must be a folder.* got dict"),
+        ({"formats": [["npz"]]}, "formats must be a list of names"),
+        ({"formats": 3}, "formats must be a list of names, .* got 3"),
+        ({"resume": "no"}, "resume must be True or False"),
     ):
         with pytest.raises(TypeError, match=message):
             planned(**{"scans": scans, "out": tmp_path / "out", **options})
     with pytest.raises(TypeError, match="progress must be"):
         sw.segment_all(scans, tmp_path / "out", n_workers=0, progress=3)
+
+
+def test_names_do_not_lead_out_of_the_folder_of_results(scans, tmp_path):
+    odd = [scans / "bath" / "a.ply", f"{scans}/bath/../kitchen/a.ply", f"{scans}/kitchen/../bath/a.ply"]
+    assert planned(odd, tmp_path / "out").scans == ("bath/a.ply", "kitchen/a.ply")
+    (tmp_path / "link").symlink_to(scans)
+    with pytest.raises(ValueError, match="all scans lie in out"):
+        planned(scans, tmp_path / "link")
+
+
+def test_one_file_of_truth_is_of_its_namesake_or_of_the_only_scan(scans, tmp_path):
+    np.save(tmp_path / "true.npy", np.arange(32) // 16)
+    found = run(scans / "bath", tmp_path / "out", truth=tmp_path / "true.npy")
+    assert found.rows["a.ply"]["n_truth"] == 2
+    with pytest.raises(ValueError, match=r"it has 'true', and scans are 'bath/a.ply', 'kitchen/a.ply'"):
+        planned(scans, tmp_path / "out", truth=tmp_path / "true.npy")
+
+
+def test_what_others_have_put_there_is_told_apart_and_stays(scans, tmp_path):
+    out = tmp_path / "out"
+    out.symlink_to("gone")
+    with pytest.raises(NotADirectoryError, match="is a link to nowhere"):
+        run(scans, out)
+    out.unlink()
+    run(scans, out)
+    row = out / "bath" / "a.ply" / "row.json"
+    row.write_text(row.read_text().replace('"seconds": ', '"seconds": "x", "then": '))
+    (out / "kitchen" / "a.ply").rename(tmp_path / "elsewhere")
+    (out / "kitchen" / "a.ply").touch()
+    errors = run(scans, out).to_frame().error
+    assert "no run of ours wrote it" in errors[0]
+    assert "a file is where the folder of its results should be" in errors[1]
+
+
+def test_too_little_memory_says_how_much_it_takes(scans, tmp_path, monkeypatch):
+    def full(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr("scenewidget.batch.job.segment", full)
+    row = run(scans, tmp_path / "out").rows["bath/a.ply"]
+    assert (row["status"], row["faces"]) == ("too large", 32)
 
 
 def test_a_scheduler_that_does_not_answer(scans, tmp_path, monkeypatch):

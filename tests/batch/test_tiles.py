@@ -98,6 +98,8 @@ def test_bad_input_is_explained():
         segment_tiles(sw.PointCloud(np.random.default_rng(0).uniform(size=(30, 3))))
     with pytest.raises(ValueError, match="overlap must be a length"):
         tiles(corner(), max_faces=10, overlap=-1)
+    with pytest.raises(TypeError, match="params must be a Params, got dict"):
+        segment_tiles(corner(), {})
     with pytest.raises(ValueError, match="max_faces"):
         tiles(corner(), max_faces=0, overlap=1)
 

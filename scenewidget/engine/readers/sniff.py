@@ -71,6 +71,8 @@ def kind_of(path: Path, suffixes: tuple[str, ...]) -> str:
     MeshError
         A folder, an empty file, or a format that isn't read; the message says what it is and what to do.
     """
+    if re.match(r"[a-z][a-z0-9+.-]+:/+[^/]", str(path), re.IGNORECASE) and not path.exists():
+        raise FileNotFoundError(f"{str(path)!r} is a URL, and no file of this machine: fetch it first")
     if not path.exists():
         raise FileNotFoundError(f"mesh file {str(path)!r} does not exist (looked in {str(Path.cwd())!r})")
     if path.is_dir():
