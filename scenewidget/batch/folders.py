@@ -15,13 +15,14 @@ from pathlib import Path
 from typing import Any
 
 from scenewidget.batch.places import is_hidden, scans_in
-from scenewidget.batch.rows import ROW, read_row
+from scenewidget.batch.rows import ROW, read_row, units_of
 from scenewidget.editing.formats import import_labels
 from scenewidget.editing.project_reader import is_project
 from scenewidget.editing.session import Session
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.readers import load
 from scenewidget.engine.segmentation import Segmentation
+from scenewidget.engine.units import UnitName
 
 __all__ = [
     "LABELS",
@@ -48,6 +49,7 @@ class Labeled:
 
     path: Path
     source: str = ""  # where the scan lay when they were made, "" if nobody knows
+    units: UnitName | None = None  # in which the scan was read
 
 
 def labeled(path: Path) -> dict[str, Labeled]:
@@ -132,7 +134,7 @@ def own_copies(path: Path) -> dict[str, dict[str, Labeled]]:
 def _file_under(found: dict[str, Labeled], row: Mapping[str, Any], file: Path) -> None:
     """Add a file to others under the name of its scan, without the suffix where that is free."""
     name = str(Path(row["scan"]).with_suffix("").as_posix())
-    found[row["scan"] if name in found else name] = Labeled(file, str(row.get("source", "")))
+    found[row["scan"] if name in found else name] = Labeled(file, str(row.get("source", "")), units_of(row))
 
 
 def project_name(scan: str, person: str = "") -> str:
@@ -170,16 +172,17 @@ def mesh_of(name: str, scans: Path | None, labels: Iterable[Labeled]) -> Mesh:
         It is nowhere; the message says what to give.
     """
     labels = list(labels)
+    units = next((one.units for one in labels if one.units is not None), None)
     if scans is not None:
         if scans.is_file():
-            return load(scans)
+            return load(scans, units=units)
         for scan, found in scans_in(scans).items():
             if name in (scan, str(Path(scan).with_suffix("").as_posix())):
-                return load(found.path)
+                return load(found.path, units=units)
         raise ValueError(f"{str(scans)!r} holds no scan {name!r}")
     for one in labels:
         if one.source and Path(one.source).exists():
-            return load(one.source)
+            return load(one.source, units=one.units)
     for one in labels:
         file = one.path.with_suffix(".ply") if one.path.suffix.lower() == ".xml" else one.path
         if file.suffix.lower() in (".ply", ".glb") and file.exists():

@@ -215,6 +215,7 @@ def _row(
         "key": key,
         "truth": truth_key,
         "source": job.source,
+        "units": job.units,
         "params": dataclasses.asdict(job.params),
         "version": job.version,
         "warnings": said,

@@ -8,10 +8,23 @@ beside it in ``failed.json``.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
-__all__ = ["COLUMNS", "FAILED", "ROW", "STATUSES", "empty_row", "parse_row", "read_row", "spoken_size"]
+from scenewidget.engine.units import UnitName
+
+__all__ = [
+    "COLUMNS",
+    "FAILED",
+    "ROW",
+    "STATUSES",
+    "empty_row",
+    "parse_row",
+    "read_row",
+    "spoken_size",
+    "units_of",
+]
 
 ROW = "row.json"
 FAILED = "failed.json"
@@ -65,6 +78,18 @@ def read_row(path: Path) -> dict[str, Any] | None:
         return parse_row(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError):
         return None
+
+
+def units_of(row: Mapping[str, Any]) -> UnitName | None:
+    """In which unit a scan was read, for `load`; None where nobody said.
+
+    Examples
+    --------
+    >>> units_of({"units": "mm"}), units_of({})
+    ('mm', None)
+    """
+    units = row.get("units")
+    return next((known for known in get_args(UnitName) if known == units), None)
 
 
 def spoken_size(n_bytes: float) -> str:

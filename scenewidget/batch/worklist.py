@@ -18,7 +18,7 @@ import pandas as pd
 
 from scenewidget.batch.folders import LABELS, hands, project_name, read_labels
 from scenewidget.batch.picture import PICTURE
-from scenewidget.batch.rows import FAILED, ROW, parse_row
+from scenewidget.batch.rows import FAILED, ROW, parse_row, units_of
 from scenewidget.editing.files import FileLock, explain, replacing
 from scenewidget.editing.session import Session
 from scenewidget.engine.mesh import Mesh
@@ -175,6 +175,15 @@ class Worklist:
         """
         return entry.folder / project_name(entry.scan, _plain(self.person) if self.own else "")
 
+    def rooms(self, entry: Entry) -> Path:
+        """Folder in which a scan is corrected room by room, if it is too large to be edited whole.
+
+        Parameters
+        ----------
+        entry : Entry
+        """
+        return self.project(entry).with_suffix(".rooms")
+
     def note(
         self,
         scan: str,
@@ -265,7 +274,22 @@ class Worklist:
         return read_labels(there[0], mesh)
 
     def mesh(self, entry: Entry, scans: Path | None = None) -> Mesh:
-        """The scan itself, from where it lay or from a folder of scans.
+        """The scan itself, in the unit in which it was segmented.
+
+        Parameters
+        ----------
+        entry : Entry
+        scans : Path, optional
+
+        Raises
+        ------
+        FileNotFoundError
+            It is nowhere.
+        """
+        return load(self.source(entry, scans), units=units_of(entry.row))
+
+    def source(self, entry: Entry, scans: Path | None = None) -> Path:
+        """The file of a scan, where it lay or in a folder of scans.
 
         Parameters
         ----------
@@ -283,7 +307,7 @@ class Worklist:
                 f"the scan {entry.scan!r} is not at {str(source)!r} any more; "
                 "give the folder in which the scans are now: scans="
             )
-        return load(source)
+        return source
 
     def labels(self, entry: Entry, mesh: Mesh) -> Segmentation:
         """What a scan's labels are now: as corrected, or automatic.

@@ -6,6 +6,7 @@ import html
 import os
 import threading
 import weakref
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ import traitlets
 
 from scenewidget.editing.division import Division
 from scenewidget.editing.files import FileLock
+from scenewidget.editing.session import Session
 from scenewidget.engine.checks import KnownNames
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.params import Params
@@ -68,6 +70,8 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
         The room that is open, -1 if none is. 0 is the one with the most faces.
     editor : SceneWidget or None
         On that room.
+    n_edits : int
+        Made here so far.
     view : SceneView
         The picture of the whole, coloured by room.
     division : Division
@@ -103,6 +107,9 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
     current = traitlets.Int(NO_ROOM, read_only=True)
     """The room that is open; -1 if none is."""
 
+    n_edits = traitlets.Int(0, read_only=True)
+    """Edits since this was made, less what was undone, in rooms that had segments when they were opened."""
+
     _set_once = ("division", "view")
 
     def __init__(
@@ -126,6 +133,7 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
         self._picture_height = height
         self._editor: SceneWidget | None = None
         self._held: FileLock | None = None
+        self._stop_hearing: Callable[[], None] | None = None
         self.division = self._divided(folder, segmentation, max_faces)
         self.view = SceneView(self.division.coarse, height=height)
         self.view.section = [(0.0, 1.0), (0.0, 1.0), (0.0, CEILING)]
@@ -196,6 +204,8 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
                 raise
             self._close_editor()
             self._editor, self._held = editor, held
+            if editor.session is not None:
+                self._stop_hearing = self._count_edits(editor.session)
             self._place.children = [editor]
             self.set_trait("current", int(room))
             self._show()
@@ -272,6 +282,10 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
             raise
         return editor
 
+    def _count_edits(self, session: Session) -> Callable[[], None]:
+        before = self.n_edits - len(session.edits)
+        return session.observe(lambda _: self.set_trait("n_edits", before + len(session.edits)))
+
     def _close_editor(self) -> None:
         """Called with the lock held."""
         editor = self.editor
@@ -280,6 +294,9 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
         session = editor.session
         if session is not None and session.path is None:  # so that it need not be computed again
             session.save(self.division.project(self.current), overwrite=False)
+        if self._stop_hearing is not None:
+            self._stop_hearing()
+            self._stop_hearing = None
         editor.close()
         if session is not None:
             session.close()

@@ -24,14 +24,16 @@ import traitlets
 from scenewidget.batch.dataset import export_dataset
 from scenewidget.batch.folders import labels_for, named_alike, read_labels
 from scenewidget.batch.picture import PICTURE, thumbnail
+from scenewidget.batch.rows import units_of
 from scenewidget.batch.worklist import Entry, State, Stopwatch, Worklist
 from scenewidget.editing.files import FileLock, replacing
 from scenewidget.editing.session import Session
-from scenewidget.engine.checks import KnownNames
+from scenewidget.engine.checks import KnownNames, checked_count
 from scenewidget.evaluation import METRICS, evaluate
 from scenewidget.hands import agreement
 from scenewidget.widget.arranged import Arranged
 from scenewidget.widget.bundle import bundled
+from scenewidget.widget.rooms_widget import MOST_FACES, Rooms
 from scenewidget.widget.scene_view import check_height
 from scenewidget.widget.scene_widget import SceneWidget
 
@@ -108,12 +110,15 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
         The folder of the scans, if they are not where they were.
     height : int
         Of the editor's picture, in pixels.
+    room_faces : int
+        A scan with more faces is corrected room by room, as by `Rooms`, in a folder beside its results; what
+        it is as a whole goes into its project when it is left or done.
 
     Attributes
     ----------
     current : str
         Name of the scan that is open; "" if none is.
-    editor : SceneWidget or None
+    editor : SceneWidget, Rooms or None
         On that scan.
 
     Raises
@@ -157,6 +162,7 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
         own: bool = False,
         scans: str | os.PathLike[str] | None = None,
         height: int = 520,
+        room_faces: int = MOST_FACES,
     ) -> None:
         if not isinstance(out, str | os.PathLike):
             raise TypeError(f"out must be a folder, got {type(out).__name__}")
@@ -183,11 +189,13 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
         self._truth, self._gold = _files_of("truth", truth, names), _files_of("gold", gold, names)
         self._scans = None if scans is None else Path(scans)
         self._picture_height = height
+        self._room_faces = checked_count("room_faces", room_faces)
+        self._edits_before = 0  # this sitting
         self._lock = threading.RLock()
         self._held: FileLock | None = None
         self._watch = Stopwatch()
         self._stop_hearing: Callable[[], None] | None = None
-        self._editor: SceneWidget | None = None
+        self._editor: SceneWidget | Rooms | None = None
         self.queue = QueueView(person=person, has_truth=bool(self._truth))
         self.queue.on_msg(self._handle_message)
         self._place = widgets.VBox()
@@ -200,7 +208,7 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
         return f"Workbench({len(states)} scans, {states.count('done')} done)"
 
     @property
-    def editor(self) -> SceneWidget | None:
+    def editor(self) -> SceneWidget | Rooms | None:
         """On the scan that is open; None if none is."""
         return self._editor
 
@@ -249,9 +257,8 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
             self._leave()
             self._held, self._editor = held, editor
             self._watch = Stopwatch()
-            session = editor.session
-            if session is not None:
-                self._stop_hearing = session.observe(lambda _: self._take_edit(scan))
+            self._edits_before = entry.edits
+            self._stop_hearing = self._hear_edits(editor, scan)
             self._place.children = [editor]
             self._show_current(scan)
 
@@ -424,8 +431,10 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
 
     # --- opening and leaving ----------------------------------------------------------------------
 
-    def _editor_on(self, scan: str) -> SceneWidget:
+    def _editor_on(self, scan: str) -> SceneWidget | Rooms:
         entry = self._work.entries[scan]
+        if (entry.row.get("faces") or 0) > self._room_faces:
+            return self._rooms_on(entry)
         mesh = self._work.mesh(entry, self._scans)
         self._work.open(scan, mesh).close()  # makes the project if there is none
         truth = self._truth_of(scan)
@@ -439,6 +448,35 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
             raise
         return editor
 
+    def _rooms_on(self, entry: Entry) -> Rooms:
+        place, height = self._work.rooms(entry), self._picture_height
+        if place.exists() and units_of(entry.row) is None:  # then nobody needs its faces yet
+            return Rooms(self._work.source(entry, self._scans), place, height=height)
+        mesh = self._work.mesh(entry, self._scans)
+        labels = None if place.exists() else self._work.labels(entry, mesh)
+        return Rooms(mesh, place, segmentation=labels, height=height)
+
+    def _hear_edits(self, editor: SceneWidget | Rooms, scan: str) -> Callable[[], None] | None:
+        if isinstance(editor, Rooms):
+            editor.observe(lambda _: self._take_edit(scan), "n_edits")
+            return None  # nobody hears a widget that is closed
+        session = editor.session
+        return None if session is None else session.observe(lambda _: self._take_edit(scan))
+
+    def _n_edits(self, editor: SceneWidget | Rooms) -> int:
+        if isinstance(editor, Rooms):
+            return max(0, self._edits_before + editor.n_edits)
+        return 0 if editor.session is None else len(editor.session.edits)
+
+    def _now(self, scan: str, editor: SceneWidget | Rooms) -> Segmentation | None:
+        """The labels as they are; those of rooms are put together in the scan's project."""
+        if isinstance(editor, SceneWidget):
+            return None if editor.session is None else editor.session.segmentation
+        found = editor.segmentation()
+        with Session(found.mesh, found) as session:
+            session.save(self._work.project(self._work.entries[scan]), overwrite=True)
+        return found
+
     def _truth_of(self, scan: str) -> Path | None:
         name = named_alike(scan, self._truth)
         return None if name is None else self._truth[name]
@@ -450,9 +488,14 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
             return
         if self._stop_hearing is not None:
             self._stop_hearing()
-        with contextlib.suppress(OSError):
+        trouble = ""
+        try:
             self._note_work(scan, editor)
-        session = editor.session
+            if isinstance(editor, Rooms) and editor.n_edits:
+                self._now(scan, editor)
+        except (OSError, ValueError) as error:  # every edit is in the project of its scan or room
+            trouble = str(error)
+        session = None if isinstance(editor, Rooms) else editor.session
         editor.close()
         if session is not None:
             session.close()
@@ -461,10 +504,10 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
         if held is not None:
             held.release()
         self._show_current("")
+        self.queue.note = trouble
 
-    def _note_work(self, scan: str, editor: SceneWidget, state: State | None = None) -> None:
-        session = editor.session
-        n = 0 if session is None else len(session.edits)
+    def _note_work(self, scan: str, editor: SceneWidget | Rooms, state: State | None = None) -> None:
+        n = self._n_edits(editor)
         entry = self._work.entries[scan]
         if state is None and n > 0 and entry.state == "new":
             state = "begun"
@@ -487,25 +530,25 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
     def _mark(self, state: State) -> None:
         with self._lock:
             editor, scan = self.editor, self.current
-            if editor is None or editor.session is None:
+            now = None if editor is None else self._now(scan, editor)
+            if editor is None or now is None:
                 raise ValueError("no scan is open: open one first, by edit(scan) or next()")
             self._note_work(scan, editor, state)
-            self._judge(scan, editor.session)
-            self._draw(self._work.entries[scan], editor.session)
+            self._judge(scan, now)
+            self._draw(self._work.entries[scan], now)
             self._show_rows()
             self.queue.send({"kind": "redraw", "scan": scan})
 
-    def _judge(self, scan: str, session: Session) -> None:
+    def _judge(self, scan: str, now: Segmentation) -> None:
         truth = self._truth_of(scan)
         if truth is None:
             return
-        now = session.segmentation
-        found = evaluate({"": now}, read_labels(truth, session.mesh), session.mesh).loc[""]
+        found = evaluate({"": now}, read_labels(truth, now.mesh), now.mesh).loc[""]
         self._work.note(scan, errors={name: float(found[name]) for name in METRICS})
 
-    def _draw(self, entry: Entry, session: Session) -> None:
+    def _draw(self, entry: Entry, now: Segmentation) -> None:
         with contextlib.suppress(OSError), replacing(entry.folder / PICTURE) as temporary:
-            temporary.write_bytes(thumbnail(session.segmentation))
+            temporary.write_bytes(thumbnail(now))
 
     def _after(self, scan: str) -> list[str]:
         order = self._work.order()

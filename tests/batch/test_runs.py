@@ -12,7 +12,9 @@ import shapes
 
 import scenewidget as sw
 from scenewidget.batch import clients, pools
+from scenewidget.batch.folders import labeled, mesh_of
 from scenewidget.batch.runs import planned
+from scenewidget.batch.worklist import Worklist
 
 FAST = sw.Params(n_segments=2, n_runs=2, n_graph_runs=2)
 
@@ -165,6 +167,17 @@ def test_what_others_have_put_there_is_told_apart_and_stays(scans, tmp_path):
     errors = run(scans, out).to_frame().error
     assert "no run of ours wrote it" in errors[0]
     assert "a file is where the folder of its results should be" in errors[1]
+
+
+def test_the_unit_of_a_scan_is_known_to_who_opens_it_later(tmp_path):
+    mesh = shapes.sheet(4, 4, width=2000.0, depth=2000.0)
+    sw.save_mesh(mesh, tmp_path / "a.ply")
+    run(tmp_path / "a.ply", tmp_path / "out", units="mm", formats=["npz", "swproj"])
+    work = Worklist(tmp_path / "out", "ann")
+    mesh = work.mesh(work.entries["a.ply"])
+    assert mesh.bounds[1].max() == 2
+    work.open("a.ply", mesh).close()
+    assert mesh_of("a", tmp_path, labeled(tmp_path / "out").values()).bounds[1].max() == 2
 
 
 def test_too_little_memory_says_how_much_it_takes(scans, tmp_path, monkeypatch):

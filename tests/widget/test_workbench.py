@@ -67,6 +67,28 @@ def test_what_somebody_has_open_is_passed_over_and_given_free_at_the_end(out):
     again.close()
 
 
+def test_a_large_scan_is_corrected_room_by_room(out, tmp_path):
+    bench = sw.Workbench(out, "ann", truth=tmp_path / "truth", room_faces=31)
+    bench.edit("b.ply")
+    assert isinstance(bench.editor, sw.Rooms)
+    bench.editor.edit(0)
+    bench.editor.editor.session.paint([0])
+    row = next(row for row in bench.queue.rows if row["scan"] == "b.ply")
+    assert (row["state"], row["edits"]) == ("begun", 1)
+    bench.edit("a.ply")  # which puts the whole of the other together
+    assert sw.Session.open(out / "b.ply" / "b.swproj").segmentation.n_segments == 3
+    bench.edit("b.ply")
+    bench.editor.edit(0)
+    assert len(bench.editor.editor.session.edits) == 1  # in the room's own project
+    bench.editor.editor.session.merge(0, 31)
+    bench.done()
+    table = bench.to_frame().set_index("scan")
+    assert table.loc["b.ply", ["state", "edits"]].tolist() == ["done", 2]
+    assert table.error_now["b.ply"] > 0
+    assert bench.export(tmp_path / "set", validation=0).segments.tolist() == [2]
+    bench.close()
+
+
 def test_pictures_come_when_they_are_asked_for(out, monkeypatch):
     (out / "a.ply" / "picture.jpg").write_bytes(b"jpeg")
     bench, sent = sw.Workbench(out, "ann"), []
