@@ -78,6 +78,10 @@ def seeds() -> dict[str, list[bytes]]:
     out["ply"] += [textured_ply(box, uv), box_of_points(points, ">"), mixed_polygons()]
     out["png"], out["jpg"] = [picture.getvalue()], [photograph()]
     out |= labels_of(box)
+    scan = Path(tempfile.gettempdir()) / "seed.e57"  # nothing that we install writes one: pye57 does
+    if scan.exists():
+        out["e57"] = [scan.read_bytes()]
+    out["glb"] += rich_glbs(box)
     try:
         import DracoPy
     except ImportError:
@@ -151,6 +155,56 @@ def draco_glb(packed: bytes, n_vertices: int, n_faces: int) -> bytes:
     return glb_of(content, packed + b"\0" * (-len(packed) % 4))
 
 
+def rich_glbs(box: trimesh.Trimesh) -> list[bytes]:
+    """A sphere of whole numbers, with sparse places and a turned texture; and the same as strips."""
+    n, corners = len(box.vertices), box.faces.astype("<u2")
+    places = (box.vertices * 30_000).astype("<i2")
+    tints = (np.arange(4 * n).reshape(n, 4) * 300).astype("<u2")
+    uv = (np.random.default_rng(0).random((n, 2)) * 65_535).astype("<u2")
+    picture = photograph()
+    parts = [corners.tobytes(), np.pad(places, ((0, 0), (0, 1))).tobytes(), tints.tobytes(), uv.tobytes(),
+             np.array([0, 5], "<u2").tobytes(), places[[1, 2]].tobytes(), picture]  # fmt: skip
+    views, data = [], b""
+    for part in parts:
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(part)})
+        data += part + bytes(-len(part) % 4)
+    views[1]["byteStride"] = 8
+    sparse = {"count": 2, "indices": {"bufferView": 4, "componentType": 5123}, "values": {"bufferView": 5}}
+    accessors = [
+        {"bufferView": 0, "componentType": 5123, "count": corners.size, "type": "SCALAR"},
+        {
+            "bufferView": 1,
+            "componentType": 5122,
+            "count": n,
+            "type": "VEC3",
+            "normalized": True,
+            "sparse": sparse,
+        },
+        {"bufferView": 2, "componentType": 5123, "count": n, "type": "VEC4", "normalized": True},
+        {"bufferView": 3, "componentType": 5123, "count": n, "type": "VEC2", "normalized": True},
+    ]
+    turn = {"offset": [0.1, 0.2], "rotation": 1, "scale": [2, 2]}
+    turned = {"index": 0, "extensions": {"KHR_texture_transform": turn}}
+    material = {"baseColorTexture": turned, "baseColorFactor": [1, 0.5, 0.2, 1]}
+    attributes = {"POSITION": 1, "COLOR_0": 2, "TEXCOORD_0": 3}
+    out = []
+    for mode in (4, 5):
+        primitive = {"attributes": attributes, "indices": 0, "material": 0, "mode": mode}
+        content = {
+            "asset": {"version": "2.0"}, "extensionsUsed": ["KHR_mesh_quantization", "KHR_texture_transform"],
+            "extensionsRequired": ["KHR_mesh_quantization"], "scene": 1,
+            "scenes": [{"nodes": []}, {"nodes": [0]}],
+            "nodes": [{"children": [1, 2]}, {"mesh": 0, "scale": [-1, 2, 1], "rotation": [0, 0.6, 0, 0.8]},
+                      {"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1]}],
+            "meshes": [{"primitives": [primitive]}], "accessors": accessors, "bufferViews": views,
+            "materials": [{"pbrMetallicRoughness": material}],
+            "textures": [{"source": 0}], "images": [{"bufferView": 6, "mimeType": "image/jpeg"}],
+            "buffers": [{"byteLength": len(data)}],
+        }  # fmt: skip
+        out.append(glb_of(content, data))
+    return out
+
+
 def glb_of(content: dict, data: bytes) -> bytes:
     """A GLB of its two chunks."""
     text = json.dumps(content).encode()
@@ -179,7 +233,7 @@ def labels_of(box: trimesh.Trimesh) -> dict[str, list[bytes]]:
 def damaged(data: bytes, rng: random.Random) -> bytes:
     """One to four changes that keep most of the structure."""
     for _ in range(rng.randrange(1, 5)):
-        way = rng.randrange(7)
+        way = rng.randrange(9)
         at = rng.randrange(max(1, len(data)))
         if way == 0:
             data = data[:at]
@@ -196,9 +250,71 @@ def damaged(data: bytes, rng: random.Random) -> bytes:
             places = (0, 4, 8, 12, 80, 84, 96, 104, 105, 107, at)
             at = rng.choice(places)
             data = data[:at] + struct.pack("<I", rng.choice([0, 1, 2**31, 2**32 - 1, 1000])) + data[at + 4 :]
-        else:
+        elif way == 6:
             data = _other_json(data, rng)
+        else:
+            data = _other_lines(data, rng)
     return data
+
+
+WORDS = b"""x y z nx ny nz red green blue rgb rgba alpha intensity label scalar_Label float double char
+    uchar short ushort int uint int64 list property element vertex face tristrips edge comment
+    format ascii binary_little_endian binary_big_endian vertex_indices end_header FIELDS SIZE TYPE
+    COUNT WIDTH HEIGHT VIEWPOINT POINTS DATA F U I _ v vt vn vp f l p o g usemtl mtllib newmtl
+    map_Kd Kd -s -o a.png a.mtl OFF COFF NOFF STOFF solid facet normal outer loop endloop endfacet
+    endsolid # // , ; \\ 0 1 -1 -2 3 4 8 1e39 1e308 nan inf 1/2/3 1//3 1/ / -1/-1 0x10 1,5 1_000""".split()
+
+
+def _other_lines(data: bytes, rng: random.Random) -> bytes:
+    """A line of text left out, repeated, swapped or joined with the next, or one of its words another."""
+    end = max(data.find(b"end_header"), data.find(b"DATA "), 0)
+    end = len(data) if end == 0 else min(len(data), end + 400)  # what follows may be binary
+    lines = data[:end].split(b"\n")
+    at, other = rng.randrange(len(lines)), rng.randrange(len(lines))
+    way = rng.randrange(8)
+    if way == 0:
+        del lines[at]
+    elif way == 1:
+        lines[at:at] = [lines[other]] * rng.choice([1, 1, 2, 50])
+    elif way == 2:
+        lines[at], lines[other] = lines[other], lines[at]
+    elif way == 3:
+        lines[at : at + 2] = [rng.choice([b" ", b"\\\r", b"\t", b"\0", b"\r"]).join(lines[at : at + 2])]
+    else:
+        words = lines[at].split()
+        if words:
+            place = rng.randrange(len(words))
+            if way == 4:
+                words[place] = rng.choice(WORDS)
+            elif way == 5:
+                words[place:place] = [rng.choice(WORDS)]
+            elif way == 6:
+                del words[place]
+            else:
+                rng.shuffle(words)
+            lines[at] = b" ".join(words)
+    return b"\n".join(lines) + data[end:]
+
+
+def _mended_e57(data: bytes) -> bytes:
+    """An E57 whose pages of 1024 bytes end with the right checksum again: else nothing behind it is read."""
+    pages = []
+    for start in range(0, len(data), 1024):
+        page = data[start : start + 1020]
+        check = 0xFFFFFFFF
+        for byte in page:
+            check = CASTAGNOLI[(check ^ byte) & 255] ^ (check >> 8)
+        pages.append(page + struct.pack(">I", check ^ 0xFFFFFFFF))
+    return b"".join(pages)
+
+
+def _castagnoli(byte: int) -> int:
+    for _ in range(8):
+        byte = (byte >> 1) ^ (0x82F63B78 if byte & 1 else 0)
+    return byte
+
+
+CASTAGNOLI = [_castagnoli(byte) for byte in range(256)]
 
 
 def _other_json(data: bytes, rng: random.Random) -> bytes:
@@ -247,7 +363,10 @@ def write_damaged(name: str, files: dict[str, list[bytes]], folder: Path, rng: r
         path.write_bytes(files["obj"][-1])
         return path
     path = folder / f"a.{'glb' if name == 'draco' else name}"
-    path.write_bytes(damaged(rng.choice(files[name]), rng))
+    data = damaged(rng.choice(files[name]), rng)
+    if name == "e57" and rng.random() < 0.8:
+        data = _mended_e57(data)
+    path.write_bytes(data)
     (folder / "a.png").write_bytes(files["png"][0])
     (folder / "a.mtl").write_bytes(damaged(SCRAP_MTL, rng))
     return path
