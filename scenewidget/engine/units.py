@@ -13,7 +13,7 @@ import numpy as np
 from scenewidget.engine.gravity import large_axes, up_direction
 from scenewidget.engine.mesh import FloatArray, Mesh
 
-__all__ = ["FACTORS", "METRE", "Unit", "UnitName", "likely_unit"]
+__all__ = ["FACTORS", "METRE", "Unit", "UnitName", "likely_unit", "likely_units"]
 
 UnitName = Literal["auto", "m", "cm", "mm", "in", "ft"]
 FACTORS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}  # to metres
@@ -56,12 +56,13 @@ SHELF = (0.7, 0.4)  # metres from the floor to what people put things on: median
 WALL = (2.4, 0.5)  # the same of how high a scan reaches above its floor, where it has no ceiling
 LEAST_SHELF = 0.03  # of the area that faces up must lie above the floor, or it says nothing
 LARGE = 6.0  # extent from which a scan without a ceiling may be in feet or inches
-USUAL = (1.5, 12.0)  # extents of a cloud whose unit nobody asks about
+USUAL = (1.5, 12.0)  # extents of a cloud that is taken in metres, though another unit may be named
 N_POINTS = 30_000  # of a cloud that are enough to tell
 SPREAD_OUT = 1.3  # edges of a mesh for the distance to the sixth neighbour in a cloud as dense
 FLAT = 0.4  # height over width up to which a scan may be of a table
 ONE_PLANE = 0.36  # of the area, that the top of a table has at least
 SURE = 3.0  # nats by which another unit must be more likely than the metre
+NEARLY = float(np.log(10.0))  # nats by which a unit may be less likely than the best and still be named
 
 
 def likely_unit(mesh: Mesh) -> Unit:
@@ -78,11 +79,40 @@ def likely_unit(mesh: Mesh) -> Unit:
     >>> likely_unit(room).name, likely_unit(Mesh(room.vertices * 1000, room.faces)).name
     ('metres', 'millimetres')
     """
+    return likely_units(mesh)[0]
+
+
+def likely_units(mesh: Mesh) -> tuple[Unit, ...]:
+    """The unit of `likely_unit`, and behind it those that are at least a tenth as likely as the best.
+
+    A table of four feet looks much like one of four metres, a table in inches like a larger one in
+    centimetres: size and density can't tell these apart.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Examples
+    --------
+    >>> from scenewidget.datasets import load_room
+    >>> [unit.name for unit in likely_units(load_room()[0])]
+    ['metres']
+    """
+    is_usual = mesh.is_cloud and USUAL[0] <= float(np.ptp(mesh.bounds, axis=0).max()) <= USUAL[1]
+    scores = _scores(mesh)
+    if not scores:
+        return (METRE,)
+    best = int(np.argmax(scores))
+    taken = best if scores[best] > scores[0] + SURE and not is_usual else 0
+    near = [k for k in np.argsort(scores)[::-1].tolist() if scores[k] > scores[best] - NEARLY and k != taken]
+    return tuple(UNITS[k][0] for k in (taken, *near))
+
+
+def _scores(mesh: Mesh) -> list[float]:
+    """How well each of the units fits, in nats; none for what has no size."""
     low, high = mesh.bounds
     if mesh.is_cloud:
         cloud: Any = mesh
-        if USUAL[0] <= float((high - low).max()) <= USUAL[1]:
-            return METRE
         mesh = some = cloud.thinned(N_POINTS)
         edge = some.spacing / SPREAD_OUT * float(some.n_faces / cloud.n_faces) ** 0.5
         low, high = np.percentile(some.points, [1, 99], axis=0)  # a beam may end in the street
@@ -90,7 +120,7 @@ def likely_unit(mesh: Mesh) -> Unit:
         edge = _median_edge(mesh)
     extent = np.sort(high - low)[::-1]
     if not (extent[0] > 0 and edge > 0):
-        return METRE
+        return []
     found = large_axes(mesh)
     axes = found[:3]
     opposed = [axis for axis in axes if axis.is_opposed and axis.share > 0.1]
@@ -115,8 +145,7 @@ def likely_unit(mesh: Mesh) -> Unit:
         room += max(_fit(shelf * unit.factor, SHELF), -6.0) if shelf > 0 else 0.0
         room += max(_fit(top * unit.factor, WALL), -3.0) if top > 0 else 0.0
         scores.append((max(room, things) if is_flat else room) - unlikely)
-    best = int(np.argmax(scores))
-    return UNITS[best][0] if scores[best] > scores[0] + SURE else METRE
+    return scores
 
 
 def _above_floor(mesh: Mesh, up: FloatArray) -> tuple[float, float]:

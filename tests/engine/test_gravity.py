@@ -10,6 +10,8 @@ from scenewidget import PointCloud, datasets
 from scenewidget.engine.gravity import large_axes
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.orientation import up_direction
+from scenewidget.engine.readers.scale import in_metres
+from scenewidget.engine.readers.scan import Notes
 from scenewidget.engine.sides import right_side_out
 from scenewidget.engine.units import likely_unit
 
@@ -132,6 +134,24 @@ def test_the_unit_of_a_room_is_named_with_its_factor(rooms, name):
 def test_the_unit_of_an_open_room_is_told_by_the_height_of_its_furniture(open_above, name):
     turned = open_above.vertices[:, [1, 2, 0]]  # y up
     assert likely_unit(Mesh(turned * UNITS[name], open_above.faces)).name == name
+
+
+@pytest.mark.parametrize(
+    ("unit", "units", "said"),
+    [
+        ("feet", None, 'were taken as metres; feet fit nearly as well: units="ft" takes them so'),
+        ("inches", "auto", 'units="cm" takes them so'),
+        ("centimetres", "auto", 'units="in" takes them so'),
+        ("metres", None, ""),
+    ],
+)
+def test_what_size_can_not_tell_of_a_table_is_said(unit, units, said):
+    table = shapes.grid_square(300, size=1.3)  # nothing but size and density tells
+    table = Mesh(table.vertices * UNITS[unit], table.faces, source="table.ply")
+    notes = Notes()
+    in_metres(table, units, notes)
+    assert said in " ".join(notes.lines) if said else not notes.lines
+    assert bool(notes.warned) == (units == "auto")
 
 
 def test_axes_measure_what_faces_them():

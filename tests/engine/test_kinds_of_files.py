@@ -52,6 +52,24 @@ def test_materials_are_found_where_people_put_them(tmp_path, head, library, cont
     assert load(written(tmp_path, "scan.obj", head + TEXTURED)).vertex_colors.tolist() == HUES
 
 
+def test_the_only_material_counts_where_faces_name_none_and_of_several_none_does(tmp_path):
+    picture(tmp_path, "t.png")
+    written(tmp_path, "scan.mtl", "newmtl m\nmap_Kd t.png\n")
+    text = "mtllib scan.mtl\n" + TEXTURED.replace("usemtl m\n", "")
+    assert load(written(tmp_path, "scan.obj", text.encode("utf-16"))).vertex_colors.tolist() == HUES
+    written(tmp_path, "scan.mtl", "newmtl m\nmap_Kd t.png\nnewmtl n\nKd 1 0 0\n")
+    mesh = load(written(tmp_path, "scan.obj", text))
+    assert mesh.vertex_colors is None
+    assert "faces name none of the library's 2 materials: colours are lost" in mesh.report
+
+
+def test_faces_of_a_ply_without_a_list_of_corners_are_missed_aloud(tmp_path):
+    head = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+    head += "element face 1\nproperty int v1\nproperty int v2\nproperty int v3\nend_header\n"
+    with pytest.warns(UserWarning, match="its faces have no list of corners and were left out"):
+        assert load(written(tmp_path, "a.ply", head + "1 2 3\n0 0 0\n")).is_cloud
+
+
 def test_names_in_latin_letters_and_remarks_behind_numbers(tmp_path):
     written(tmp_path, "a.mtl", "newmtl T\u00fcr\nmap_Kd T\u00fcr.png\n".encode("latin-1"))
     picture(tmp_path, "T\u00fcr.png")

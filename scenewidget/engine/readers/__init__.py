@@ -76,7 +76,8 @@ def load_mesh(
     units : str, optional
         "m", "cm", "mm", "in", "ft": what the numbers are; they are scaled to metres. "auto" takes the unit
         that size, density and room heights fit best. By default they are left as they are, with a warning
-        where another unit fits much better than the metre.
+        where another unit fits much better than the metre. ``mesh.report`` names units that fit nearly as
+        well as the one taken: a table of four feet looks much like one of four metres.
 
     Returns
     -------
@@ -256,10 +257,10 @@ def _cloud_of(
         )
 
     cloud = built(1.0)
-    factor, line = scale_of(cloud, units)
+    factor, line, is_doubtful = scale_of(cloud, units)
     if not line:
         return cloud
-    notes.say(line, warn=units is None)
+    notes.say(line, warn=is_doubtful)
     return built(factor)
 
 

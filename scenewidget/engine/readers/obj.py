@@ -41,6 +41,9 @@ class _Faces:
 def read(path: Path, notes: Notes) -> Scan:
     """Vertices and polygons of an OBJ at ``path``; ``notes`` hear what was guessed or lost."""
     data = np.fromfile(path, dtype=np.uint8)
+    if data[:2].tobytes() in (b"\xff\xfe", b"\xfe\xff"):
+        text = data.tobytes().decode("utf-16", "replace").encode()
+        data = np.frombuffer(bytearray(text), dtype=np.uint8)
     if data[:3].tobytes() == b"\xef\xbb\xbf":  # a byte order mark
         data = data[3:]
     if (data == ord("\\")).any():  # lines that go on
@@ -111,7 +114,7 @@ def _read(path: Path, lines: _Lines, notes: Notes) -> Scan:
     vertices, colors = _vertices(lines, notes)
     scan = Scan(vertices)
     scan.colors = colors
-    has_materials = bool(libraries and materials)
+    has_materials = bool(libraries and (materials or lines.is_texture.any()))
     faces = _faces(path, lines, has_materials)
     if faces is None:
         return scan
@@ -130,6 +133,12 @@ def _read(path: Path, lines: _Lines, notes: Notes) -> Scan:
         coordinates = _coordinates(lines)
         lines.let_go()
         known = _library(path, libraries, notes)
+        if not materials:
+            if len(known) > 1:
+                notes.say(f"faces name none of the library's {len(known)} materials: colours are lost")
+            if len(known) != 1:
+                return scan
+            number, code = dict.fromkeys(known, 0), np.zeros_like(code)  # there is no other
         scan.colors = _material_colors(
             path, scan, faces.counts, uv, coordinates, list(number), code, known, notes
         )

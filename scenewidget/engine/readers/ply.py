@@ -96,6 +96,8 @@ def read(path: Path, notes: Notes) -> Scan:
         strips = columns["tristrips"].get(CORNERS[0], columns["tristrips"].get(CORNERS[1]))
         if strips is not None:
             scan.corners = _strip_triangles(strips.values)
+    elif corners is None and any(len(found) for found in face.values() if not isinstance(found, _List)):
+        notes.say("its faces have no list of corners and were left out", warn=True)
     return scan
 
 
