@@ -229,7 +229,7 @@ def _loss(depth: FloatArray, cosine: FloatArray, dropout: FloatArray) -> FloatAr
     return chance
 
 
-@kernel(parallel=True)
+@kernel(allocates=True, parallel=True)
 def _rasterise(vertices, faces, rotations, shifts, focal, depth, face):  # type: ignore[no-untyped-def]
     """Depth buffer of every frame; frames are independent, so threads don't change the result."""
     n_frames, rows, columns = depth.shape

@@ -55,7 +55,7 @@ def fuse(
     return band.with_values(np.where(np.isnan(fused), band.values, fused) if fill else fused)
 
 
-@kernel(parallel=True)
+@kernel(allocates=True, parallel=True)
 def _integrate(blocks, rotations, shifts, depth, slant, focal, truncation, voxel, fused):  # type: ignore[no-untyped-def]
     """Mean of all readings at every node; a node belongs to one thread, so their number doesn't matter."""
     n_frames, rows, columns = depth.shape

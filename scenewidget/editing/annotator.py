@@ -230,7 +230,7 @@ class Judge:
         return best, edit
 
 
-@kernel
+@kernel(allocates=True)
 def _best_part(atoms, start, size, has_unlabeled, segment, indptr, indices, data, table, best):  # type: ignore[no-untyped-def]
     """Lowest 1 − RI below ``best``, by a part's move to another segment (−1: to a new one).
 

@@ -360,7 +360,7 @@ def _pairs(index, distance, k, reach, at, first, second):  # type: ignore[no-unt
             first[place], second[place] = low, high
 
 
-@kernel
+@kernel(allocates=True)
 def _planes(points, index, out):  # type: ignore[no-untyped-def]
     """Direction in which each point and its neighbours spread least, by Jacobi's rotations; none of lines."""
     n, k = index.shape
@@ -445,7 +445,7 @@ def _agree(pairs, is_against, order, root, is_turned):  # type: ignore[no-untype
             root[point] = root[up]
 
 
-@kernel
+@kernel(allocates=True)
 def _stars(points, normals, index, distance, reach, back, out):  # type: ignore[no-untyped-def]
     """Delaunay triangles around each point, wrapped from neighbour to neighbour; how many there are.
 

@@ -405,7 +405,7 @@ def median_partition(C: FloatArray, weights: FloatArray, *, seed: int = 0, max_s
     return by_first_appearance(labels)
 
 
-@kernel
+@kernel(allocates=True)
 def _best_moves(C, a, labels, order, max_sweeps):  # type: ignore[no-untyped-def]
     n = len(a)
     gain = np.zeros((n, n))  # gain[i, l] = Σ_j a_j (C_ij − ½) over the members of cluster l

@@ -112,12 +112,12 @@ def _fans(faces: IntArray, n_vertices: int) -> tuple[IntArray, IntArray, IntArra
     return start, count, around, corner
 
 
-@kernel(error_model="numpy")
+@kernel
 def _least(a, b):  # type: ignore[no-untyped-def]
     return a if a < b or b != b else b  # as C's fmin: a number where one of them is none
 
 
-@kernel(error_model="numpy")
+@kernel
 def _error_at(q, x, y, z):  # type: ignore[no-untyped-def]
     return (
         q[0] * x * x + 2 * q[1] * x * y + 2 * q[2] * x * z + 2 * q[3] * x + q[4] * y * y
@@ -125,7 +125,7 @@ def _error_at(q, x, y, z):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@kernel(error_model="numpy")
+@kernel
 def _minor(q, a, b, c, d, e, f, g, h, i):  # type: ignore[no-untyped-def]
     return (
         q[a] * q[e] * q[i] + q[c] * q[d] * q[h] + q[b] * q[f] * q[g]
@@ -133,7 +133,7 @@ def _minor(q, a, b, c, d, e, f, g, h, i):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@kernel(error_model="numpy")
+@kernel
 def _merged(places, is_rim, quadrics, i, j):  # type: ignore[no-untyped-def]
     """Where two vertices would become one, and the error there."""
     q = (
@@ -160,7 +160,7 @@ def _merged(places, is_rim, quadrics, i, j):  # type: ignore[no-untyped-def]
     return error, a, b, c
 
 
-@kernel(error_model="numpy")
+@kernel
 def _prepare(places, faces, is_rim, normals, quadrics, errors):  # type: ignore[no-untyped-def]
     """Unit normals, quadrics of the planes around each vertex, errors of the edges."""
     for f in range(len(faces)):
@@ -182,7 +182,7 @@ def _prepare(places, faces, is_rim, normals, quadrics, errors):  # type: ignore[
         errors[f, 3] = _least(errors[f, 0], _least(errors[f, 1], errors[f, 2]))
 
 
-@kernel(error_model="numpy")
+@kernel
 def _turns(  # type: ignore[no-untyped-def]
     places, faces, normals, is_gone, first, n, around, corner, other, x, y, z, goes
 ):
@@ -213,7 +213,7 @@ def _turns(  # type: ignore[no-untyped-def]
     return False
 
 
-@kernel(error_model="numpy")
+@kernel(allocates=True)
 def _collapse(  # type: ignore[no-untyped-def]
     places, faces, is_rim, normals, quadrics, errors, is_gone, tried, which, changed, seen, known,
     start, count, around, corner, thresholds, state,

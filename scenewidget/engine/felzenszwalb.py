@@ -213,7 +213,7 @@ def _find(parent, i):  # type: ignore[no-untyped-def]
     return i
 
 
-@kernel
+@kernel(allocates=True)
 def _join(first, second, weight, size, threshold, min_size):  # type: ignore[no-untyped-def]
     """Label of each item and the number of labels; ``size`` begins with the sizes of the pieces then.
 
@@ -253,7 +253,7 @@ def _join(first, second, weight, size, threshold, min_size):  # type: ignore[no-
     return labels, count
 
 
-@kernel
+@kernel(allocates=True)
 def _between(piece, first, second):  # type: ignore[no-untyped-def]
     """Pieces on both sides of the edges that lie between two."""
     count = 0

@@ -21,15 +21,19 @@ from numba.core.caching import FunctionCache
 __all__ = ["compiling", "kernel"]
 
 
-def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
+def kernel(function: Callable[..., Any] | None = None, *, allocates: bool = False, **options: Any) -> Any:
     """Decorator: compile a function on its first call, and remember it on disk where that is possible.
 
-    It holds no lock while it runs. Where nothing can be written (a package that was installed for all, a full
-    disk) or what was written can't be read (a process was killed), it compiles without saying anything.
+    It holds no lock while it runs, and divides by zero as numpy does. Where nothing can be written (a
+    package that was installed for all, a full disk) or what was written can't be read (a process was
+    killed), it compiles without saying anything.
 
     Parameters
     ----------
     function : callable, optional
+    allocates : bool
+        Whether it makes arrays. Others take no part in counting who holds an array, which costs more than
+        the work where one small kernel calls another.
     **options
         Of ``numba.njit``.
 
@@ -47,9 +51,10 @@ def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     3.0
     """
     if function is None:
-        return lambda function: kernel(function, **options)
+        return lambda function: kernel(function, allocates=allocates, **options)
     njit: Any = numba.njit  # its types don't know all options
-    dispatcher = njit(nogil=True, no_cfunc_wrapper=True, **options)(function)
+    options |= {"nogil": True, "no_cfunc_wrapper": True, "error_model": "numpy", "_nrt": allocates}
+    dispatcher = njit(**options)(function)
     with contextlib.suppress(RuntimeError, OSError):  # no folder that can be written
         # what njit(cache=True) does, but that errors of its cache stop the call
         dispatcher._cache = _Cache(function)  # type: ignore[no-untyped-call]

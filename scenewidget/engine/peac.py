@@ -370,7 +370,7 @@ def _fill_off_diagonal(C, a, data, indices, squares):  # type: ignore[no-untyped
                 size += 1
 
 
-@kernel
+@kernel(allocates=True)
 def _times(indptr, indices, data, X):  # type: ignore[no-untyped-def]
     """Sparse (csr) matrix times dense."""
     n, m = X.shape
@@ -384,7 +384,7 @@ def _times(indptr, indices, data, X):  # type: ignore[no-untyped-def]
     return out
 
 
-@kernel
+@kernel(allocates=True)
 def _quartic_step(slope, curvature, delta, rest, omega, limit):  # type: ignore[no-untyped-def]
     """Best t in [0, limit] for −slope·t + curvature·t²/2 + ω(rest − 2Δt − 2t²)²/4 − ω rest²/4.
 
@@ -428,7 +428,7 @@ def _quartic_step(slope, curvature, delta, rest, omega, limit):  # type: ignore[
     return best_t
 
 
-@kernel
+@kernel(allocates=True)
 def _solve_column(y, force, Q, a, omega, c_own, tolerance):  # type: ignore[no-untyped-def]
     """Minimise −p·y + yᵀ(Q − a·y₀y₀ᵀ)y/2 + ω(c − |y|²)²/4 over the simplex, from y = y₀.
 
@@ -475,7 +475,7 @@ def _solve_column(y, force, Q, a, omega, c_own, tolerance):  # type: ignore[no-u
     return first
 
 
-@kernel
+@kernel(allocates=True)
 def _sweep_rank_one(  # type: ignore[no-untyped-def]
     columns, indptr, indices, data, own, a, Y, P, S, diagonal, tolerance
 ):
@@ -519,7 +519,7 @@ def _sweep_rank_one(  # type: ignore[no-untyped-def]
     return worst
 
 
-@kernel
+@kernel(allocates=True)
 def _sweep_general(columns, C, own, W, Y, diagonal, tolerance):  # type: ignore[no-untyped-def]
     """Columns in turn with any weights: O(n · m²) each, less where the other columns are sparse."""
     n, m = Y.shape

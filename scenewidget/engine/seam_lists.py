@@ -69,15 +69,15 @@ def joined_along_seams(
     ends = np.array(pairs, dtype=np.int64, order="C")
     sums, lengths = np.array(sums, np.float64, order="C"), np.array(lengths, np.float64)
     size, limits = np.array([] if sizes is None else sizes, np.float64), np.array(limits, np.float64)
-    weight = np.empty((2, m))
-    weight[:] = np.abs(sums).max(axis=1, initial=0.0) / lengths
-    weight[1] += doubt / np.sqrt(lengths) if doubt > 0 else 0.0
+    mean = np.abs(sums).max(axis=1, initial=0.0) / lengths
+    rank = mean + (doubt / np.sqrt(lengths) if doubt > 0 else 0.0)
     key = ends.copy() if doubt > 0 else np.zeros((m, 2), np.int64)
-    order = np.lexsort((key[:, 1], key[:, 0], weight[1])) if doubt > 0 else ascending(weight[1])
+    order = np.lexsort((key[:, 1], key[:, 0], rank)) if doubt > 0 else ascending(rank)
+    state = np.full((3, n), -1)
+    state[1] = 0
     _join(
         roots, ends, sums, n_signed, lengths, limits, float(doubt), size, float(threshold), order,
-        np.full(n, -1), np.full((2, 2 * m), -1), np.zeros(n, np.int64), np.full(n, -1),
-        np.full((2, m), -1), weight, key,
+        state, np.empty((2, 2 * m), np.int64), np.empty((2, m), np.int64), mean, rank, key,
     )  # fmt: skip
     while not np.array_equal(roots, roots[roots]):
         roots = roots[roots]
@@ -87,39 +87,42 @@ def joined_along_seams(
 @kernel
 def _join(  # type: ignore[no-untyped-def]
     parent, ends, sums, n_signed, length, limit, doubt, size, threshold, order,
-    head, links, degree, seam_to, heap, weight, key,
+    state, links, heaps, mean, rank, key,
 ):  # fmt: skip
     """Sets the parent of each region that is joined to another; all that it gets is overwritten.
 
-    Seams come by ``weight[1]``, then by ``key``; ``weight[0]`` are the means. Those that are as they were
-    come in ``order``. ``heap[0]`` holds the others, which are few, and ``heap[1]`` the place of each there,
-    `UNCHANGED` or `WAITING`.
+    Seams come by ``rank``, then by ``key``. Those that are as they were come in ``order``. ``heaps`` has a
+    heap of the others, which are few, and the place of each there, `UNCHANGED` or `WAITING`. ``state`` has
+    the head of each region's list, the length of the list, and a seam to the region from the one that is
+    looked at, if any: what stands there from before has other ends.
     """
     m, n_values = sums.shape
-    after, before = links[0], links[1]
+    after, before, heap, place = links[0], links[1], heaps[0], heaps[1]
+    head, degree, seam_to = state[0], state[1], state[2]
     for s in range(m):
         for side in range(2):
             insert(head, after, before, ends[s, side], 2 * s + side)
             degree[ends[s, side]] += 1
-        heap[1, s] = UNCHANGED
+        place[s] = UNCHANGED
     n_heap, next_one = np.int64(0), np.int64(0)
     while True:
-        while next_one < m and heap[1, order[next_one]] != UNCHANGED:
+        while next_one < m and place[order[next_one]] != UNCHANGED:
             next_one += 1
-        if next_one < m and (n_heap == 0 or _is_before(order[next_one], heap[0, 0], weight[1], key)):
+        if next_one < m and (n_heap == 0 or _is_before(order[next_one], heap[0], rank, key)):
             s = order[next_one]
-            heap[1, s] = WAITING
+            place[s] = WAITING
         elif n_heap > 0:
-            s = heap[0, 0]
-            n_heap = _drop(s, heap, n_heap, weight[1], key)
+            s = heap[0]
+            n_heap = _drop(s, heap, place, n_heap, rank, key)
         else:
             break
-        w, i, j = weight[0, s], ends[s, 0], ends[s, 1]
+        w, i, j = mean[s], ends[s, 0], ends[s, 1]
         if w > limit[i] or w > limit[j]:
             continue
         if degree[i] < degree[j]:
             i, j = j, i
         parent[j] = i
+        limit_before = limit[i]
         if len(size) > 0:
             size[i] += size[j]
             limit[i] = w + (threshold / size[i] if size[i] > 0 else np.inf)
@@ -135,14 +138,14 @@ def _join(  # type: ignore[no-untyped-def]
             s, side, following = entry // 2, entry % 2, after[entry]
             k = ends[s, 1 - side]
             old = seam_to[k]
-            if old >= 0:
+            if old >= 0 and (ends[old, 0] == i or ends[old, 1] == i):
                 sign = 1.0 if (ends[old, 0] == i) == (side == 0) else -1.0  # both from i to k
                 for v in range(n_values):
                     sums[old, v] += sign * sums[s, v] if v < n_signed else sums[s, v]
                 length[old] += length[s]
-                if heap[1, s] >= 0:
-                    n_heap = _drop(s, heap, n_heap, weight[1], key)
-                heap[1, s] = WAITING
+                if place[s] >= 0:
+                    n_heap = _drop(s, heap, place, n_heap, rank, key)
+                place[s] = WAITING
                 remove(head, after, before, k, 2 * s + 1 - side)
                 degree[k] -= 1
                 s = old
@@ -150,73 +153,66 @@ def _join(  # type: ignore[no-untyped-def]
                 ends[s, side] = i
                 insert(head, after, before, i, entry)
                 degree[i] += 1
-            n_heap = _rank(s, i, k, sums, length, doubt, heap, n_heap, weight, key)
+            most = 0.0
+            for v in range(n_values):
+                most = max(most, abs(sums[s, v]))
+            mean[s] = most / length[s]
+            rank[s] = mean[s]
+            if doubt > 0.0:
+                rank[s] += doubt / length[s] ** 0.5
+                key[s, 0], key[s, 1] = i, k
+            n_heap = _settle(s, heap, place, n_heap, rank, key)
             entry = following
-        entry = head[i]
-        while entry >= 0:
-            s, k = entry // 2, ends[entry // 2, 1 - entry % 2]
-            seam_to[k] = -1
-            if len(size) > 0 and heap[1, s] == WAITING and weight[0, s] <= limit[i]:
-                n_heap = _rank(s, i, k, sums, length, doubt, heap, n_heap, weight, key)
-            entry = after[entry]
+        if limit[i] > limit_before:  # else what it stopped has to wait on
+            entry = head[i]
+            while entry >= 0:
+                s = entry // 2
+                if place[s] == WAITING and mean[s] <= limit[i]:
+                    n_heap = _settle(s, heap, place, n_heap, rank, key)
+                entry = after[entry]
 
 
 @kernel
-def _rank(s, i, k, sums, length, doubt, heap, n_heap, weight, key):  # type: ignore[no-untyped-def]
-    """Weigh a seam from i to k anew and put it where it belongs in the heap; how many are in it then."""
-    most = 0.0
-    for v in range(sums.shape[1]):
-        if abs(sums[s, v]) > most:
-            most = abs(sums[s, v])
-    weight[0, s] = most / length[s]
-    weight[1, s] = weight[0, s]
-    if doubt > 0.0:
-        weight[1, s] += doubt / length[s] ** 0.5
-        key[s, 0], key[s, 1] = i, k
-    if heap[1, s] < 0:
-        heap[1, s] = n_heap
-        n_heap += 1
-    _settle(s, heap, n_heap, weight[1], key)
-    return n_heap
-
-
-@kernel
-def _drop(s, heap, n_heap, weight, key):  # type: ignore[no-untyped-def]
+def _drop(s, heap, place, n_heap, rank, key):  # type: ignore[no-untyped-def]
     """Take a seam out of the heap; how many are in it then."""
     n_heap -= 1
-    last = heap[0, n_heap]
+    last = heap[n_heap]
     if last != s:
-        heap[1, last] = heap[1, s]
-        _settle(last, heap, n_heap, weight, key)
-    heap[1, s] = WAITING
+        place[last] = place[s]
+        _settle(last, heap, place, n_heap, rank, key)
+    place[s] = WAITING
     return n_heap
 
 
 @kernel
-def _settle(s, heap, n_heap, weight, key):  # type: ignore[no-untyped-def]
-    """Move a seam from its place in the heap up, or else down, to where it belongs."""
-    at = heap[1, s]
-    while at > 0 and _is_before(s, heap[0, (at - 1) // 2], weight, key):
-        heap[0, at] = heap[0, (at - 1) // 2]
-        heap[1, heap[0, at]] = at
+def _settle(s, heap, place, n_heap, rank, key):  # type: ignore[no-untyped-def]
+    """Put a seam, new or moved, where it belongs in the heap; how many are in it then."""
+    if place[s] < 0:
+        place[s] = n_heap
+        n_heap += 1
+    at = place[s]
+    while at > 0 and _is_before(s, heap[(at - 1) // 2], rank, key):
+        heap[at] = heap[(at - 1) // 2]
+        place[heap[at]] = at
         at = (at - 1) // 2
     below = 2 * at + 1
     while below < n_heap:
-        if below + 1 < n_heap and _is_before(heap[0, below + 1], heap[0, below], weight, key):
+        if below + 1 < n_heap and _is_before(heap[below + 1], heap[below], rank, key):
             below += 1
-        if not _is_before(heap[0, below], s, weight, key):
+        if not _is_before(heap[below], s, rank, key):
             break
-        heap[0, at] = heap[0, below]
-        heap[1, heap[0, at]] = at
+        heap[at] = heap[below]
+        place[heap[at]] = at
         at = below
         below = 2 * at + 1
-    heap[0, at], heap[1, s] = s, at
+    heap[at], place[s] = s, at
+    return n_heap
 
 
 @kernel
-def _is_before(s, t, weight, key):  # type: ignore[no-untyped-def]
-    if weight[s] != weight[t]:
-        return weight[s] < weight[t]
+def _is_before(s, t, rank, key):  # type: ignore[no-untyped-def]
+    if rank[s] != rank[t]:
+        return rank[s] < rank[t]
     if key[s, 0] != key[t, 0]:
         return key[s, 0] < key[t, 0]
     if key[s, 1] != key[t, 1]:

@@ -346,7 +346,7 @@ def _read_uneven(
     return int(end)
 
 
-@kernel
+@kernel(allocates=True)
 def _walk(raw, start, n_rows, count_sizes, sizes, signed, is_big):  # type: ignore[no-untyped-def]
     """Place and length of each property of each row, and the end; −1 − rows where the bytes run out."""
     n = len(sizes)
@@ -427,7 +427,7 @@ def _text_rows(path: Path, values: FloatArray, at: int, element: _Element, colum
     return int(end)
 
 
-@kernel
+@kernel(allocates=True)
 def _walk_numbers(values, start, n_rows, is_list):  # type: ignore[no-untyped-def]
     """As `_walk`, in numbers instead of bytes."""
     n = len(is_list)
