@@ -25,6 +25,7 @@ UPRIGHT = 0.2  # The dot product of the normals of a wall and of the floor is at
 ACROSS = 0.5  # The dot product of the normals of pieces of the hull that stand on each other is below this.
 LEAN = 0.02  # The plane of a piece of a floor leans by so much, 2 cm a metre, without the floor doing so.
 THICK = (0.04, 0.45)  # Least and most thickness of a wall between two rooms, units of the scene.
+MOST_WALLS = 256  # The largest are looked at: a storey of offices has as many, a heap of triangles thousands.
 BEYOND = 0.9  # Share of a segment that lies beyond a wall if the segment does.
 ROUGHNESS = 0.08  # A piece of a wall lies within so many units of the scene (root mean square) of its plane.
 
@@ -245,7 +246,8 @@ def _joined(
     moments = items.moments.gather(labels, len(planes.areas))
     group = np.arange(len(planes.areas))
     is_free = np.ones(len(group), dtype=np.bool_)
-    fronts = [_front(items, labels, wall) for wall in walls]
+    fronts = np.array([_front(items, labels, wall) for wall in walls]).reshape(len(walls), len(group))
+    ends = items.touching(labels).labels
     may_join = planes.is_hull if is_hull_only else is_free.copy()
     for s in np.argsort(-planes.areas, kind="stable"):
         if not (is_free[s] and planes.is_hull[s]):
@@ -256,8 +258,10 @@ def _joined(
         facing = planes.mean_normals @ normal
         step = float(np.clip(1.5 * planes.roughness[s], *reach))
         fits = is_free & may_join & (facing > PARALLEL)
-        beyond = [_beyond(front, int(s)) for front in fronts]
-        fits &= ~_through_walls(items, labels, walls, beyond, int(s), fits, near)
+        beyond = _beyond(fronts, int(s))
+        touches = np.zeros(len(group), dtype=np.bool_)
+        touches[ends[(ends == s).any(axis=1)]] = True
+        fits &= ~_through_walls(items, labels, walls, beyond, int(s), fits & ~touches, near)
         joins = fits & (distance < step)
         joins[s] = True
         beside = fits & (distance < bend) & (planes.roughness < ROUGHNESS * items.scale)
@@ -265,7 +269,7 @@ def _joined(
         leaning = fits & ~joins & (_off_common_plane(moments, int(s), normal) < step)
         joins |= leaning & (_gaps(items, labels, joins, leaning) > near)
         is_shell = is_free & (facing < -PARALLEL) & (offset < 0) & (offset > -shell)
-        joins |= is_shell & ~np.any(beyond, axis=0) if walls else is_shell
+        joins |= is_shell & ~beyond.any(axis=0)
         if not planes.is_room:
             joins = _touching(items, labels, joins, int(s))
         group[joins] = s
@@ -279,10 +283,13 @@ class _Wall(NamedTuple):
     middle: FloatArray  # (3,) amid the two
     normal: FloatArray  # (3,) towards one of the sides, in front
     body: IntArray  # the items of both
+    tree: cKDTree  # of their centroids
 
 
 def _walls(items: Items, labels: IntArray, planes: Planes, min_area: float) -> list[_Wall]:
-    """Walls between rooms: on either side is a part of the scene that may be one; else it is a shell."""
+    """Walls between rooms, `MOST_WALLS` at most: on either side is a part of the scene that may be one; else
+    it is a shell.
+    """
     s = items.scale
     is_flat = (planes.areas >= min_area) & (planes.roughness <= ROUGHNESS * s)
     is_flat &= np.einsum("ij,ij->i", planes.normals, planes.mean_normals) >= PARALLEL
@@ -294,12 +301,17 @@ def _walls(items: Items, labels: IntArray, planes: Planes, min_area: float) -> l
     thickness = 0.5 * (depth + depth.T)
     is_wall = (normals @ normals.T < -PARALLEL) & (np.minimum(depth, depth.T) > 0)
     is_wall &= (thickness > THICK[0] * s) & (thickness < THICK[1] * s)
-    out = []
-    for i, j in zip(*np.nonzero(np.triu(is_wall, 1))):
+    pairs = np.argwhere(np.triu(is_wall, 1))
+    smaller = planes.areas[flat[pairs]].min(axis=1)
+    out: list[_Wall] = []
+    for i, j in pairs[np.argsort(-smaller, kind="stable")]:
+        if len(out) == MOST_WALLS:
+            break
         normal = normals[i] - normals[j]
         normal = normal / np.linalg.norm(normal)
         body = np.flatnonzero((labels == flat[i]) | (labels == flat[j]))
-        wall = _Wall(0.5 * (centroids[i] + centroids[j]), normal, body)
+        tree = cKDTree(items.moments.centroid[body])
+        wall = _Wall(0.5 * (centroids[i] + centroids[j]), normal, body, tree)
         share = float(items.areas[_is_front(items, wall)].sum() / items.areas.sum())
         if min(share, 1.0 - share) >= SCENE:
             out.append(wall)
@@ -319,45 +331,44 @@ def _front(items: Items, labels: IntArray, wall: _Wall) -> FloatArray:
     return np.asarray(of_front / np.maximum(area, 1e-300))
 
 
-def _beyond(front: FloatArray, seed: int) -> BoolArray:
-    """(n_segments,) which lie beyond a wall, seen from the seed; none if the seed lies on both its sides."""
-    if BEYOND > front[seed] > 1 - BEYOND:
-        return np.zeros(len(front), dtype=np.bool_)
-    return front <= 1 - BEYOND if front[seed] >= BEYOND else front >= BEYOND
+def _beyond(fronts: FloatArray, seed: int) -> BoolArray:
+    """(n_walls, n_segments) which lie beyond a wall, seen from the seed; none if it lies on both sides."""
+    front = fronts[:, seed, None]
+    is_beyond = np.where(front >= BEYOND, fronts <= 1 - BEYOND, fronts >= BEYOND)
+    return is_beyond & ((front >= BEYOND) | (front <= 1 - BEYOND))
 
 
 def _through_walls(
     items: Items,
     labels: IntArray,
     walls: list[_Wall],
-    beyond: list[BoolArray],
+    beyond: BoolArray,
     seed: int,
     segments: BoolArray,
     near: float,
 ) -> BoolArray:
     """(n_segments,) of some segments those to which the shortest way from the seed leads through a wall."""
     out = np.zeros(len(segments), dtype=np.bool_)
-    if not any((segments & is_beyond).any() for is_beyond in beyond):
+    segments = segments & beyond.any(axis=0)
+    if not segments.any():
         return out
-    ends = items.touching(labels).labels
-    touches = np.zeros(len(segments), dtype=np.bool_)
-    touches[ends[(ends == seed).any(axis=1)]] = True
     position, radius = items.moments.centroid, np.sqrt(items.areas / np.pi)
     own = np.flatnonzero(labels == seed)
-    tree = cKDTree(position[own])
+    other = np.flatnonzero((labels >= 0) & segments[labels])
+    apart, nearest = cKDTree(position[own]).query(position[other])
+    least = np.full(len(segments), np.inf)
+    np.minimum.at(least, labels[other], apart)
+    is_way = apart <= least[labels[other]]
+    start, end, owner = position[own[nearest[is_way]]], position[other[is_way]], labels[other[is_way]]
     for wall, is_beyond in zip(walls, beyond):
-        other = np.flatnonzero((labels >= 0) & (is_beyond & segments & ~touches)[labels])
-        if len(other) == 0:
+        ways = np.flatnonzero(is_beyond[owner])
+        if len(ways) == 0:
             continue
-        apart, nearest = tree.query(position[other])
-        least = np.full(len(segments), np.inf)
-        np.minimum.at(least, labels[other], apart)
-        is_way = apart <= least[labels[other]]
-        start, end = position[own[nearest[is_way]]], position[other[is_way]]
-        before, behind = ((place - wall.middle) @ wall.normal for place in (start, end))
-        share = np.divide(before, before - behind, out=np.zeros(len(start)), where=before != behind)
-        distance, at = cKDTree(position[wall.body]).query(start + share.clip(0, 1)[:, None] * (end - start))
-        out[labels[other[is_way]][distance - radius[wall.body[at]] <= near]] = True
+        before, behind = ((place[ways] - wall.middle) @ wall.normal for place in (start, end))
+        share = np.divide(before, before - behind, out=np.zeros(len(ways)), where=before != behind)
+        crossing = start[ways] + share.clip(0, 1)[:, None] * (end[ways] - start[ways])
+        distance, at = wall.tree.query(crossing)
+        out[owner[ways[distance - radius[wall.body[at]] <= near]]] = True
     return out
 
 

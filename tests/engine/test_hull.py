@@ -7,6 +7,7 @@ import pytest
 import shapes
 from patches import faces_as_items, scene, sheet
 
+from scenewidget.engine import hull
 from scenewidget.engine.hull import join_planes, segment_planes
 from scenewidget.engine.mesh import Mesh
 
@@ -47,6 +48,16 @@ def test_nothing_is_joined_through_a_wall(thickness):
     axis = np.abs(mesh.face_normals).argmax(axis=1)
     side = 2 * axis + (mesh.face_normals.sum(axis=1) > 0) + 6 * np.repeat([0, 1], inside.n_faces)
     assert len(set(join_planes(faces_as_items(mesh), side.astype(np.int32)).tolist())) == 12
+
+
+def test_of_a_heap_of_triangles_only_the_largest_walls_are_looked_at():
+    """Any two of them back to back might be one; each costs a look from every piece of the hull."""
+    mesh = Mesh(np.random.default_rng(0).uniform(0, 3, (1500, 3)), np.arange(1500).reshape(-1, 3))
+    items, each = faces_as_items(mesh), np.arange(500, dtype=np.int32)
+    walls = hull._walls(items, each, segment_planes(items, each), 1.0)
+    assert len(walls) == hull.MOST_WALLS
+    smaller = [mesh.face_areas[wall.body].min() for wall in walls]
+    assert smaller == sorted(smaller, reverse=True)
 
 
 def test_a_floor_that_runs_through_a_door_is_one():
