@@ -240,7 +240,7 @@ def test_points_that_are_not_finite_are_left_out_and_counted(tmp_path):
     path = written(tmp_path, "a.xyz", b"0 0 0\nnan 0 0\n1 1 1\n0 1 0\n")
     cloud = load_cloud(path)
     assert cloud.faces_of_file.tolist() == [0, 2, 3]
-    assert cloud.report == ("1 of 4 points were NaN or infinite and were left out",)
+    assert cloud.report == ("1 of 4 points were NaN, infinite or far from all others, and were left out",)
     with pytest.raises(MeshError, match="1 of 4 points are NaN"):
         load_cloud(path, strict=True)
 

@@ -699,9 +699,10 @@ def test_a_trimesh_with_one_colour_for_all_is_coloured_and_a_scene_is_told_the_w
         load_mesh(trimesh.Scene([mesh]))
 
 
-def test_a_corner_beyond_all_bounds_costs_its_faces_only():
-    room = shapes.box(4)
-    places = np.vstack([room.vertices, [[1e30, 0, 0]]])
+@pytest.mark.parametrize(("n", "place"), [(4, 1e30), (16, 1e6), (16, 400.0)])
+def test_a_corner_far_from_all_others_costs_its_faces_only(n, place):
+    room = shapes.box(n)
+    places = np.vstack([room.vertices, [[place, 0, 0]]])
     faces = np.vstack([room.faces, [[0, 1, len(places) - 1]]])
     with pytest.warns(UserWarning, match=r"1 of \d+ faces were dropped: they have NaN, infinite or far"):
         assert load_mesh((places, faces)).n_faces == room.n_faces

@@ -17,10 +17,10 @@ import numpy as np
 
 from scenewidget.engine.checks import warn_caller
 from scenewidget.engine.clouds import PointCloud
-from scenewidget.engine.mesh import LARGEST, Mesh, MeshError
+from scenewidget.engine.mesh import Mesh, MeshError
 from scenewidget.engine.readers import e57, gltf, las, obj, off, pcd, ply, stl, table
 from scenewidget.engine.readers.colors import as_bytes, at_vertices
-from scenewidget.engine.readers.repair import checked_triangles, lost_precision, wound_alike
+from scenewidget.engine.readers.repair import checked_triangles, is_usable, lost_precision, wound_alike
 from scenewidget.engine.readers.scale import in_metres, scale_of
 from scenewidget.engine.readers.scan import Notes, Scan
 from scenewidget.engine.readers.sniff import CLOUDS, MESHES, kind_of
@@ -230,13 +230,13 @@ def _cloud_of(
     n = len(scan.vertices)
     if n == 0:
         raise MeshError(f"{name!r} holds no points")
-    is_good = np.isfinite(scan.vertices).all(axis=1) & (np.abs(scan.vertices) <= LARGEST).all(axis=1)
+    is_good = is_usable(scan.vertices)
     kept = None
     if not is_good.all():
         lost = n - int(is_good.sum())
         if strict or lost == n:
-            raise MeshError(f"{name!r}: {lost} of {n} points are NaN, infinite or out of bounds")
-        notes.say(f"{lost} of {n} points were NaN or infinite and were left out")
+            raise MeshError(f"{name!r}: {lost} of {n} points are NaN, infinite or far from all others")
+        notes.say(f"{lost} of {n} points were NaN, infinite or far from all others, and were left out")
         kept = np.flatnonzero(is_good)
     lost_precision(scan.vertices, notes)
     chosen = slice(None) if kept is None else kept
@@ -299,8 +299,7 @@ def _mesh_of(scan: Scan, notes: Notes, strict: bool, name: str, source: str = ""
     if len(triangles) == 0:
         raise MeshError(f"{name} holds no triangle that could be used: all have fewer than three corners")
     vertices = scan.vertices
-    with np.errstate(invalid="ignore"):
-        is_far = ~(np.abs(vertices) <= LARGEST).all(axis=1)
+    is_far = ~is_usable(vertices)
     if is_far.any():
         is_used = np.zeros(len(vertices), dtype=bool)
         is_used[triangles] = True
