@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 import psutil
-from scans import in_size, read_scan
+from scans import DATA, in_size, read_scan, simplified
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "browser"))
 
@@ -85,7 +85,7 @@ FRAMES = """([root, n, isPressed, isTurning, start]) => new Promise(resolve => {
     const send = (type, i) => canvas.dispatchEvent(new PointerEvent(type, {
         clientX: box.left + box.width * (isPressed ? start[0] + 0.01 * i : 0.2 + 0.6 * ((i * 0.618) % 1)),
         clientY: box.top + box.height * (isPressed ? start[1] : 0.2 + 0.6 * ((i * 0.382) % 1)),
-        ...{ bubbles: true, pointerId: 1, button: 0, shiftKey: isTurning },
+        ...{ bubbles: true, pointerId: 1, pointerType: "mouse", button: 0, shiftKey: isTurning },
     }));
     canvas.setPointerCapture = () => {};
     if (isPressed) send("pointerdown", 0);
@@ -213,13 +213,13 @@ def measure(server, context, path: Path) -> dict[str, str]:
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("scan", nargs="?", type=Path, default=Path("bedroom.ply"))
+    parser.add_argument("scan", nargs="?", type=Path, default=DATA / "bedroom.ply")
     parser.add_argument("--faces", type=int, nargs="+", default=[10_000, 100_000, 1_500_000])
     arguments = parser.parse_args()
     scan = read_scan(arguments.scan)
     with tempfile.TemporaryDirectory() as folder, laboratory() as (server, context):
         for n_faces in arguments.faces:
-            mesh = in_size(scan, n_faces)
+            mesh = in_size(scan, n_faces) if n_faces > scan.n_faces else simplified(scan, n_faces)
             path = Path(folder) / f"{n_faces}.npz"
             colors = {} if mesh.vertex_colors is None else {"colors": mesh.vertex_colors}
             np.savez(path, vertices=mesh.vertices, faces=mesh.faces, **colors)

@@ -51,8 +51,8 @@ export function createHand({ model, view, segments, root, send, on }) {
     root.dataset.gesture = next.phase;
     if (next.stroke?.gathered.length !== before.stroke?.gathered.length) sketch();
     const isPaint = next.phase === "paint" || actions.some(({ kind }) => kind === "paint");
+    if (!isPaint && before.phase === "paint") paint.drop();
     if (isPaint && event.type !== "hold") paint.add(event, next.from?.face ?? event.hit?.face ?? null);
-    else if (before.phase === "paint") paint.drop();
     if (next.phase === "trace") drawn()?.trace(event);
     else if (event.type === "cancel" || (before.phase === "trace" && actions.length === 0)) drawn()?.drop();
     for (const action of actions) {

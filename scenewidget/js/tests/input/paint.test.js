@@ -42,6 +42,15 @@ test("a stroke that leaves the segment brings the others' faces to it", async ()
   assert.deepEqual(take("edit")[0].edit, { kind: "paint", ranges: [17, 23], onto_face: 18 });
 });
 
+test("a finger that paints for longer than a press is long loses nothing", () => {
+  const { hand, press, take } = painting();
+  press("down", 12, { isTouch: true });
+  hand.feed({ type: "hold", id: -1, x: 0, y: 0 });
+  press("move", 14, { isTouch: true });
+  press("up", 15, { isTouch: true });
+  assert.deepEqual(take("edit")[0].edit.ranges, [11, 17]);
+});
+
 test("it stops at a crease, and doesn't go on beyond it", () => {
   const { press, take } = painting();
   press("down", 43);
