@@ -75,12 +75,14 @@ def decimate(
             faces, normals, errors = faces[stays], normals[stays], errors[stays]
             tried, which, is_gone = tried[stays], which[stays], np.zeros(left, dtype=np.bool_)
         start, count, around, corner = _fans(faces, n)
+        is_dirty = np.zeros(len(faces), dtype=np.int8)
         thresholds = 1e-9 * np.array([float(first + i + 3) ** aggressiveness for i in range(TOGETHER)])
-        state = np.array([clock, left, target])
-        _collapse(
-            places, faces, is_rim, normals, quadrics, errors, is_gone, tried, which, changed, seen, known,
-            start, count, around, corner, thresholds, state,
-        )  # fmt: skip
+        state = np.array([clock, left, target, len(around) // 2, 0, 0])
+        while not _collapse(
+            places, faces, is_rim, normals, quadrics, errors, is_gone, is_dirty, tried, which, changed, seen,
+            known, start, count, around, corner, thresholds, state,
+        ):  # fmt: skip
+            around, corner = (np.concatenate([fans, np.zeros_like(fans)]) for fans in (around, corner))
         clock, left = int(state[0]), int(state[1])
     faces = faces[~is_gone]
     is_used = np.zeros(n, dtype=np.bool_)
@@ -184,17 +186,16 @@ def _prepare(places, faces, is_rim, normals, quadrics, errors):  # type: ignore[
 
 @kernel
 def _turns(  # type: ignore[no-untyped-def]
-    places, faces, normals, is_gone, first, n, around, corner, other, x, y, z, goes
+    places, faces, normals, is_gone, first, n, around, corner, other, x, y, z
 ):
-    """Whether a face around a vertex would turn over if it moved; ``goes``: those shared with another."""
+    """Whether a face around a vertex would turn over if it moved; those shared with another one vanish."""
     for k in range(n):
         f = around[first + k]
         if is_gone[f]:
             continue
         c = corner[first + k]
         i, j = faces[f, (c + 1) % 3], faces[f, (c + 2) % 3]
-        if other in (i, j):
-            goes[k] = 1
+        if i == other or j == other:
             continue
         ax, ay, az = places[i, 0] - x, places[i, 1] - y, places[i, 2] - z
         length = np.sqrt(ax * ax + ay * ay + az * az)
@@ -207,28 +208,31 @@ def _turns(  # type: ignore[no-untyped-def]
         nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
         length = np.sqrt(nx * nx + ny * ny + nz * nz)
         nx, ny, nz = nx / length, ny / length, nz / length
-        goes[k] = 0
         if normals[f, 0] * nx + normals[f, 1] * ny + normals[f, 2] * nz < TURNED:
             return True
     return False
 
 
-@kernel(allocates=True)
+@kernel
 def _collapse(  # type: ignore[no-untyped-def]
-    places, faces, is_rim, normals, quadrics, errors, is_gone, tried, which, changed, seen, known,
+    places, faces, is_rim, normals, quadrics, errors, is_gone, is_dirty, tried, which, changed, seen, known,
     start, count, around, corner, thresholds, state,
 ):  # fmt: skip
-    """Some rounds; ``state`` is the number of collapses so far, of faces left, and of those wanted."""
-    clock, left, target, end = state[0], state[1], state[2], len(around) // 2
-    is_dirty = np.empty(len(faces), np.int8)
-    goes = np.empty((2, 64), np.int8)
-    for t in range(len(thresholds)):
+    """Some rounds; whether they are done, or need more room behind the fans and go on where they stopped.
+
+    ``state`` is the number of collapses so far, of faces left, and of those wanted, the end of the fans, the
+    round and the face.
+    """
+    clock, left, target, end = state[0], state[1], state[2], state[3]
+    for t in range(state[4], len(thresholds)):
         if left <= target:
             break
         threshold = thresholds[t]
-        for f in range(len(faces)):
-            is_dirty[f] = 0
-        for f in range(len(faces)):
+        begin, state[5] = state[5], 0
+        if begin == 0:
+            for f in range(len(faces)):
+                is_dirty[f] = 0
+        for f in range(begin, len(faces)):
             if errors[f, 3] > threshold or is_gone[f] or is_dirty[f]:
                 continue
             light, since = 0, 0
@@ -245,45 +249,37 @@ def _collapse(  # type: ignore[no-untyped-def]
                 if is_rim[i] != is_rim[j]:
                     continue
                 _, x, y, z = _merged(places, is_rim, quadrics, i, j)
-                most = max(count[i], count[j])
-                if most > goes.shape[1]:
-                    goes = np.empty((2, 2 * most), np.int8)
                 if _turns(
-                    places, faces, normals, is_gone, start[i], count[i], around, corner, j, x, y, z, goes[0]
+                    places, faces, normals, is_gone, start[i], count[i], around, corner, j, x, y, z
                 ) or _turns(
-                    places, faces, normals, is_gone, start[j], count[j], around, corner, i, x, y, z, goes[1]
-                ):
+                    places, faces, normals, is_gone, start[j], count[j], around, corner, i, x, y, z
+                ):  # fmt: skip
                     continue
                 if end + count[i] + count[j] > len(around):
-                    wider, wider_corner = (
-                        np.empty(2 * len(around), np.int32),
-                        np.empty(2 * len(around), np.int32),
-                    )
-                    for e in range(end):
-                        wider[e], wider_corner[e] = around[e], corner[e]
-                    around, corner = wider, wider_corner
+                    state[0], state[1], state[3], state[4], state[5] = clock, left, end, t, f
+                    return False
                 places[i, 0], places[i, 1], places[i, 2] = x, y, z
                 for e in range(10):
                     quadrics[i, e] = quadrics[j, e] + quadrics[i, e]
                 clock += 1
                 first = end
                 for side in range(2):
-                    v = i if side == 0 else j
+                    v, other = (i, j) if side == 0 else (j, i)
                     for e in range(count[v]):
                         face = around[start[v] + e]
                         if is_gone[face]:
                             continue
                         for c in range(3):
                             changed[faces[face, c]] = clock
-                        if goes[side, e]:
+                        c = corner[start[v] + e]
+                        a, b = (c + 1) % 3, (c + 2) % 3
+                        p, q = faces[face, a], faces[face, b]
+                        if p == other or q == other:
                             is_gone[face] = True
                             left -= 1
                             continue
-                        c = corner[start[v] + e]
                         faces[face, c] = i
                         is_dirty[face] = 1
-                        a, b = (c + 1) % 3, (c + 2) % 3
-                        p, q = faces[face, a], faces[face, b]
                         if seen[p] != clock:  # another face has this edge too
                             seen[p] = clock
                             known[p] = _merged(places, is_rim, quadrics, i, p)[0]
@@ -314,3 +310,4 @@ def _collapse(  # type: ignore[no-untyped-def]
             if left <= target:
                 break
     state[0], state[1] = clock, left
+    return True
