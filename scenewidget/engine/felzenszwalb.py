@@ -12,7 +12,7 @@ import numpy as np
 
 from scenewidget.engine.atoms import by_first_appearance
 from scenewidget.engine.kernels import kernel
-from scenewidget.engine.mesh import FloatArray, IntArray, ascending
+from scenewidget.engine.mesh import FloatArray, IntArray, ascending, taken
 from scenewidget.engine.seam_lists import joined_along_seams
 
 __all__ = ["Grown", "grown_pieces", "join_along_seams", "join_light_edges", "without_small"]
@@ -122,10 +122,12 @@ def grown_pieces(
     if order is None:
         order = ascending(weights)
     size = np.ones(n_items) if sizes is None else np.array(sizes, dtype=np.float64)
-    first, second = (np.ascontiguousarray(side[order], dtype=np.int32) for side in pairs.T)
-    weight = np.ascontiguousarray(weights[order], dtype=np.float64)
-    piece, n_pieces = _join(first, second, weight, size, float(threshold), 0.0)
-    return Grown(piece, size[:n_pieces], *_between(piece, first, second))
+    first, second = np.ascontiguousarray(taken(pairs, order).T, dtype=np.int32)
+    weight = taken(weights, order).astype(np.float64)
+    piece, n_pieces = _joined(first, second, weight, size, float(threshold), 0.0)
+    first, second = taken(piece, first), taken(piece, second)
+    is_between = first != second
+    return Grown(piece, size[:n_pieces], first[is_between], second[is_between])
 
 
 def without_small(grown: Grown, min_size: float) -> IntArray:
@@ -153,8 +155,8 @@ def without_small(grown: Grown, min_size: float) -> IntArray:
     if not min_size > 0:
         return grown.piece
     nothing = np.empty(0)
-    label, _ = _join(grown.first, grown.second, nothing, grown.sizes.copy(), 0.0, float(min_size))
-    return np.asarray(label[grown.piece])
+    label, _ = _joined(grown.first, grown.second, nothing, grown.sizes.copy(), 0.0, float(min_size))
+    return taken(label, grown.piece)
 
 
 def join_along_seams(
@@ -213,15 +215,20 @@ def _find(parent, i):  # type: ignore[no-untyped-def]
     return i
 
 
-@kernel(allocates=True)
-def _join(first, second, weight, size, threshold, min_size):  # type: ignore[no-untyped-def]
-    """Label of each item and the number of labels; ``size`` begins with the sizes of the pieces then.
+def _joined(
+    first: IntArray, second: IntArray, weight: FloatArray, size: FloatArray, threshold: float, min_size: float
+) -> tuple[IntArray, int]:
+    """Label of each item and the number of labels; ``size`` begins with the sizes of the pieces then."""
+    labels, parent, limit = np.empty(len(size), np.int32), np.empty(len(size), np.int32), np.empty(len(size))
+    return labels, int(_join(first, second, weight, size, threshold, min_size, parent, limit, labels))
 
-    Along edges that are light for both sides, or, with a ``min_size``, along those of pieces below it.
-    """
+
+@kernel
+def _join(  # type: ignore[no-untyped-def]
+    first, second, weight, size, threshold, min_size, parent, limit, labels
+):
+    """Number of labels: along edges light for both sides or, with a ``min_size``, of pieces below it."""
     n = len(size)
-    parent = np.empty(n, np.int32)
-    limit = np.empty(n)
     for i in range(n):
         parent[i] = i
         limit[i] = threshold / size[i] if size[i] > 0 else np.inf
@@ -240,7 +247,6 @@ def _join(first, second, weight, size, threshold, min_size):  # type: ignore[no-
         size[a] += size[b]
         if min_size <= 0:
             limit[a] = weight[e] + (threshold / size[a] if size[a] > 0 else np.inf)
-    labels = np.empty(n, dtype=np.int32)
     count = 0
     for i in range(n):
         root = _find(parent, parent[i])
@@ -250,21 +256,4 @@ def _join(first, second, weight, size, threshold, min_size):  # type: ignore[no-
             count += 1
         else:
             labels[i] = labels[root]
-    return labels, count
-
-
-@kernel(allocates=True)
-def _between(piece, first, second):  # type: ignore[no-untyped-def]
-    """Pieces on both sides of the edges that lie between two."""
-    count = 0
-    for e in range(len(first)):
-        count += piece[first[e]] != piece[second[e]]
-    left, right = np.empty(count, np.int32), np.empty(count, np.int32)
-    count = 0
-    for e in range(len(first)):
-        a, b = piece[first[e]], piece[second[e]]
-        if a != b:
-            left[count] = a
-            right[count] = b
-            count += 1
-    return left, right
+    return count

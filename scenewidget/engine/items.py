@@ -446,14 +446,15 @@ def superfacet_items(
     homes: list[IntArray] = []
     report: dict[str, Any] = {}
     for i, s in enumerate(scales):
-        faces = np.flatnonzero(island == i)
+        own: Any = slice(None)
         inner = pairs
         if len(scales) > 1:
+            own = np.flatnonzero(island == i)
             number = np.empty(mesh.n_faces, dtype=np.int32)
-            number[faces] = np.arange(len(faces), dtype=np.int32)
+            number[own] = np.arange(len(own), dtype=np.int32)
             inner = number[pairs[island[pairs[:, 0]] == i]]
         made = _superfacets(
-            ordered.chosen(faces) if len(scales) > 1 else ordered,
+            ordered.chosen(own) if len(scales) > 1 else ordered,
             inner,
             frames[i],
             n_items=max(2, round(n_items * float(areas[i] / total))),
@@ -465,10 +466,10 @@ def superfacet_items(
             monitor=monitor,
         )
         offset = sum(len(h) for h in homes)
-        item[faces] = np.where(made.item >= 0, made.item + offset, -1)
-        face_map[faces] = np.where(made.face_map >= 0, made.face_map + offset, -1)
-        normals[faces] = made.normals  # of faces in one island only the angles between them are asked for
-        links.append(faces[made.links])
+        item[own] = np.where(made.item >= 0, made.item + offset, -1)
+        face_map[own] = np.where(made.face_map >= 0, made.face_map + offset, -1)
+        normals[own] = made.normals  # of faces in one island only the angles between them are asked for
+        links.append(made.links if len(scales) == 1 else own[made.links])
         homes.append(np.full(int(made.item.max()) + 1, i, dtype=np.int32))
         for name, value in made.report.items():
             report[name] = max(report.get(name, 0), value) if name in WORST else report.get(name, 0) + value
@@ -667,12 +668,37 @@ def _with_specks(mesh: Mesh, item: IntArray, reach: float) -> IntArray:
     if len(lost) == 0 or reach <= 0:
         return item
     targets = kept[:: max(1, len(kept) // 400_000)]  # a coarse look is enough at this distance
+    targets = targets[_are_near(mesh.face_centroids, targets, lost, reach)]
+    if len(targets) == 0:
+        return item
     distance, near = cKDTree(mesh.face_centroids[targets]).query(
         mesh.face_centroids[lost], distance_upper_bound=reach, workers=n_threads()
     )
     face_map = item.copy()
     face_map[lost] = np.where(np.isfinite(distance), np.append(item[targets], -1)[near], -1)
     return face_map
+
+
+def _are_near(places: FloatArray, ones: IntArray, others: IntArray, reach: float) -> BoolArray:
+    """Which of some places may lie within reach of others: those in a cell of such a one, or beside."""
+    low = places[others].min(axis=0)
+    side = max(1.001 * reach, float((places[others].max(axis=0) - low).max()) / 128)  # so there are few cells
+
+    def cells(which: IntArray) -> IntArray:
+        return np.asarray(np.floor((places[which] - low) / side).astype(np.int64) + 2)
+
+    full = cells(others)
+    shape = full.max(axis=0) + 3  # two empty ones around all
+    is_near = np.zeros(shape, dtype=np.bool_)
+    for step in itertools.product((-1, 0, 1), repeat=3):
+        is_near[tuple((full + step).T)] = True
+    out = np.empty(len(ones), dtype=np.bool_)
+
+    def look(rows: slice) -> None:
+        out[rows] = is_near[tuple(np.clip(cells(ones[rows]), 0, shape - 1).T)]
+
+    by_parts(look, len(ones))
+    return out
 
 
 def find_bridges(mesh: Mesh, pairs: IntArray, reach: float) -> IntArray:

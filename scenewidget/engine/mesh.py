@@ -190,7 +190,11 @@ class Mesh:
         ----------
         faces : (n,) int
         """
-        chosen = Mesh(self.vertices, self.faces[faces], self.vertex_colors)
+        chosen = object.__new__(Mesh)  # all has been checked
+        rows = _read_only(taken(self.faces, faces))
+        vars(chosen).update(
+            vertices=self.vertices, faces=rows, vertex_colors=self.vertex_colors, n_file_faces=len(rows)
+        )
         for name in ("face_vectors", "face_areas", "face_normals", "face_centroids"):
             if name in vars(self):  # what is known of the faces need not be computed again
                 vars(chosen)[name] = _read_only(taken(vars(self)[name], faces))
@@ -529,21 +533,27 @@ def ascending(values: FloatArray | IntArray) -> IntArray:
     [1, 0, 2]
     """
     least = values.min(initial=0)
-    if values.dtype == np.float32 and least >= 0:  # whose bits are in their order
-        key = (values + np.float32(0)).view(np.uint32).astype(np.uint64)
-    elif values.dtype == np.int32:
-        key = (values.astype(np.int64) - int(least)).astype(np.uint64)
-    else:
+    is_single = values.dtype == np.float32 and least >= 0  # whose bits are in their order
+    if not is_single and values.dtype != np.int32:
         order = np.argsort(values)  # several times as fast as a stable one, which only ties want
         tied, tie = ties(values[order])
         if 4 * len(tied) > len(values):
             return np.argsort(values, kind="stable")
         order[tied] = order[tied][np.lexsort((order[tied], tie))]
         return order
-    key <<= np.uint64(32)
-    key |= np.arange(len(values), dtype=np.uint64)
+    key = np.empty(len(values), dtype=np.int64)  # the value, then its place, in one number
+
+    def keys(rows: slice) -> None:
+        part = values[rows]
+        bits = (part + np.float32(0)).view(np.int32) if is_single else part
+        np.subtract(bits, 0 if is_single else int(least), out=key[rows], dtype=np.int64)
+        key[rows] <<= 32
+        key[rows] |= np.arange(rows.start, rows.start + len(part))
+
+    by_parts(keys, len(key))
     key.sort()
-    return (key & np.uint64(0xFFFFFFFF)).astype(np.int64)
+    by_parts(lambda rows: np.bitwise_and(key[rows], 0xFFFFFFFF, out=key[rows]), len(key))
+    return key
 
 
 def ties(ordered: npt.NDArray[Any]) -> tuple[IntArray, IntArray]:

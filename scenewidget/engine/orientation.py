@@ -58,7 +58,7 @@ def facing(items: Items) -> float:
     return float(towards / away) if away > 0 else 0.0
 
 
-def oriented(items: Items, orientation: Orientation = "auto") -> Items:
+def oriented(items: Items, orientation: Orientation = "auto", evidence: float | None = None) -> Items:
     """Items with normals that point into free space; ``report["orientation"]`` says what was found.
 
     Parameters
@@ -69,6 +69,8 @@ def oriented(items: Items, orientation: Orientation = "auto") -> Items:
         `sides.right_side_out`): some programs export rooms, closets or things inside out. Where no two
         surfaces tell, what is as large as a room and looks outwards is turned. "as given" turns nothing,
         "turned" all.
+    evidence : float, optional
+        `sides.right_side_out` of the items' mesh, where the caller has it already.
 
     Warns
     -----
@@ -91,7 +93,8 @@ def oriented(items: Items, orientation: Orientation = "auto") -> Items:
     _warn_of_unit(items.mesh)
     towards = facing(items)
     mesh = items.mesh
-    evidence = right_side_out(mesh.face_centroids, mesh.face_normals, mesh.face_areas)
+    if evidence is None:
+        evidence = right_side_out(mesh.face_centroids, mesh.face_normals, mesh.face_areas)
     is_known = abs(evidence) > CLEAR / 2
     is_outward = evidence < 0 if is_known else towards < -CLEAR
     is_large = np.sort(np.ptp(mesh.bounds, axis=0))[1] >= ROOM

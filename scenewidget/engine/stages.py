@@ -59,6 +59,7 @@ from scenewidget.engine.operators import Eigenbasis, eigenbasis
 from scenewidget.engine.orientation import Orientation, oriented, warn_of_mixed_winding
 from scenewidget.engine.params import Params
 from scenewidget.engine.segmentation import Segmentation, segmentation_of_items
+from scenewidget.engine.sides import right_side_out
 from scenewidget.engine.threads import at_once, n_threads
 
 __all__ = ["TITLES", "Stage", "stages"]
@@ -251,8 +252,13 @@ def _superfacets(
     mesh: Mesh, pairs: IntArray, *, monitor: Monitor, orientation: Orientation, **options: Any
 ) -> Items:
     find = partial(superfacet_items, mesh, pairs, monitor=monitor, **options)
-    items, _ = at_once(find, partial(large_axes, mesh))  # of which its unit is told
-    return oriented(items, orientation)
+    items, evidence = at_once(find, partial(_sides, mesh))
+    return oriented(items, orientation, evidence)
+
+
+def _sides(mesh: Mesh) -> float:
+    large_axes(mesh)  # are kept: its unit is told of them
+    return right_side_out(mesh.face_centroids, mesh.face_normals, mesh.face_areas)
 
 
 def _simplified(

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import nasty_meshes
 
+from scenewidget.engine import items as items_module
 from scenewidget.engine.items import find_bridges, patch_items, simplified_items, superfacet_items
 from scenewidget.engine.mesh import Mesh, MeshError, connected_components, face_adjacency
 from scenewidget.engine.scale import scene_scale
@@ -264,3 +265,15 @@ def test_values_of_items_go_to_faces_and_those_of_vertices_to_items():
     assert items.to_faces(np.array([0.5, 1.0, 2.0], np.float32), 0.0).dtype == np.float32
     # a linear function has its mean at the centroid
     np.testing.assert_allclose(items.from_vertices(items.mesh.vertices), items.centroids, atol=1e-12)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.01, 3.0))
+def test_whoever_lies_within_reach_of_a_speck_is_looked_at(seed, reach):
+    rng = np.random.default_rng(seed)
+    places = rng.normal(size=(80, 3)) * rng.choice([1.0, 100.0], size=(80, 1))
+    ones, specks = np.arange(60), np.arange(60, 80)
+    apart = np.linalg.norm(places[ones][:, None] - places[specks], axis=2).min(axis=1)
+    is_near = items_module._are_near(places, ones, specks, reach)
+    assert is_near[apart <= reach].all()
+    side = max(reach, np.ptp(places[specks], axis=0).max() / 100)
+    assert not is_near[apart > 4 * side].any()  # beyond two cells on each axis
