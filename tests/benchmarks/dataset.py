@@ -1,15 +1,16 @@
 """Many scans at once: how much faster two workers are, what a scan costs besides, what faults do.
 
-``python tests/benchmarks/dataset.py speed`` segments simulated rooms with one worker and with two,
-interleaved. ``… overhead 10000`` hands out so many scans whose work is nothing, and tells CPU and wall time
-for each. ``… faults 1513 30 20`` segments so many pieces of simulated rooms, of which 20 are damaged, kills
-30 times a worker and once the client, resumes, and counts what became of each scan; some labels are compared
-with those of `segment` without any of this.
+``python tests/benchmarks/dataset.py speed`` segments simulated rooms with one worker, which takes all cores
+or one, and with two, interleaved, and by plain processes for comparison. ``… overhead 10000`` hands out so
+many scans whose work is nothing, and tells CPU and wall time for each. ``… faults 1513 30 20`` segments so
+many pieces of simulated rooms, of which 20 are damaged, kills 30 times a worker and once the client, resumes,
+and counts what became of each scan; some labels are compared with those of `segment` without any of this.
 """
 
 import contextlib
 import itertools
 import json
+import os
 import random
 import shutil
 import subprocess
@@ -27,6 +28,7 @@ from scenewidget.batch import pools
 from scenewidget.batch.plan import Job
 from scenewidget.batch.schedule import work_through
 from scenewidget.batch.tiles import tiles
+from scenewidget.engine.threads import KNOB
 
 CLIENT = """
 import sys
@@ -43,38 +45,68 @@ DAMAGES = {  # what may have become of a file
 }
 
 
-def speed(folder: Path) -> None:
-    (folder / "scans").mkdir()
+def speed(folder: Path, n_rounds: int = 2) -> None:
+    scans = folder / "scans"
+    scans.mkdir()
     for seed in range(8):
         mesh, _ = sw.datasets.simulate_room(seed=seed, n_objects=6, voxel=0.03)
-        sw.export(
-            sw.Segmentation.from_labels(mesh, mesh.faces[:, 0] * 0), mesh, folder / "scans" / f"{seed}.ply"
+        sw.save_mesh(mesh, scans / f"{seed}.ply")
+    ways = {"one worker, all cores": (1, ""), "one worker, one core": (1, "1"), "two workers": (2, "1")}
+    seconds: dict[str, list[float]] = {way: [] for way in ways}
+    for attempt, (way, (n, threads)) in itertools.product(range(n_rounds), ways.items()):
+        os.environ[KNOB] = threads
+        out = folder / f"{way}{attempt}"
+        with pools.open_pool(n_workers=n) as pool:
+            warm = Job("warm", str(scans / "0.ply"), str(out / "warm"), sw.Params())
+            work_through([warm] * n, pool, lambda job, row: None, _never())
+            jobs = [
+                Job(path.name, str(path), str(out / path.name), sw.Params(), size=path.stat().st_size)
+                for path in sorted(scans.iterdir())
+            ]
+            cpu, start = _cpu(), time.perf_counter()
+            work_through(jobs, pool, lambda job, row: None, _never())
+            seconds[way].append(time.perf_counter() - start)
+            print(f"{way}: {seconds[way][-1]:.2f} s, {_cpu() - cpu:.1f} s CPU of the workers", flush=True)
+    alone = [_alone(scans, n) for n in (1, 2)]
+    print(f"without Dask, one core each: {alone[0]:.2f} s by one process, {alone[1]:.2f} s by two, "
+          f"{alone[0] / alone[1]:.2f} times as fast")  # fmt: skip
+    least = {way: min(all_of_them) for way, all_of_them in seconds.items()}
+    for way in list(ways)[:2]:
+        print(f"two workers are {least[way] / least['two workers']:.2f} times as fast as {way}")
+
+
+def _cpu() -> float:
+    """Seconds of CPU that workers of ours have taken so far."""
+    total = 0.0
+    for process in psutil.Process().children(recursive=True):
+        with contextlib.suppress(psutil.Error):
+            total += sum(process.cpu_times()[:2])
+    return total
+
+
+def _alone(scans: Path, n: int) -> float:
+    """Seconds that ``n`` plain processes take for all scans; each begins when all are warm."""
+    code = (
+        "import sys, scenewidget as sw; paths = sys.argv[1:]; sw.segment(sw.load(paths[0]))\n"
+        "print('warm', flush=True); input(); [sw.segment(sw.load(path)) for path in paths]"
+    )
+    paths = sorted(map(str, scans.iterdir()))
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    running = [
+        subprocess.Popen(
+            [sys.executable, "-W", "ignore", "-c", code, *paths[k::n]], **pipes, env=os.environ | {KNOB: "1"}
         )
-    seconds: dict[int, list[float]] = {1: [], 2: []}
-    for attempt in range(2):
-        for n in (1, 2):
-            with pools.open_pool(n_workers=n) as pool:
-                warm = Job(
-                    "warm", str(folder / "scans" / "0.ply"), str(folder / f"warm{attempt}{n}"), sw.Params()
-                )
-                work_through([warm] * n, pool, lambda job, row: None, _never())
-                jobs = [
-                    Job(
-                        p.name,
-                        str(p),
-                        str(folder / f"out{attempt}{n}" / p.name),
-                        sw.Params(),
-                        size=p.stat().st_size,
-                    )
-                    for p in sorted((folder / "scans").iterdir())
-                ]
-                start = time.perf_counter()
-                work_through(
-                    jobs, pool, lambda job, row: print(job.scan, row["status"], row["seconds"]), _never()
-                )
-                seconds[n].append(time.perf_counter() - start)
-                print(f"{n} workers: {seconds[n][-1]:.1f} s")
-    print(f"two workers are {min(seconds[1]) / min(seconds[2]):.2f} times as fast as one")
+        for k in range(n)
+    ]
+    for process in running:
+        process.stdout.readline()
+    start = time.perf_counter()
+    for process in running:
+        process.stdin.write("\n")
+        process.stdin.flush()
+    for process in running:
+        process.wait()
+    return time.perf_counter() - start
 
 
 def overhead(folder: Path, n: int) -> None:
