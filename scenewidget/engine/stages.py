@@ -53,7 +53,7 @@ from scenewidget.engine.items import Items, simplified_items, superfacet_items
 from scenewidget.engine.kmedoids import Ties
 from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.memo import Recall
-from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, face_adjacency
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, connected_components, face_adjacency
 from scenewidget.engine.monitor import Monitor
 from scenewidget.engine.operators import Eigenbasis, eigenbasis
 from scenewidget.engine.orientation import Orientation, oriented, warn_of_mixed_winding
@@ -65,6 +65,7 @@ from scenewidget.engine.threads import at_once, n_threads
 __all__ = ["TITLES", "Stage", "stages"]
 
 MEDOIDS_WEIGHT = 2  # graph runs that a k-medoids run counts as, in an ensemble of both
+CRUMBS = 100  # loose pieces are no scene of a few things any more
 MOST_GB = 1.5  # of distances, which are remembered up to here, and beyond made anew whenever they are used
 
 TITLES = {  # what people read while a step runs
@@ -253,12 +254,24 @@ def _superfacets(
 ) -> Items:
     find = partial(superfacet_items, mesh, pairs, monitor=monitor, **options)
     items, evidence = at_once(find, partial(_sides, mesh))
-    return oriented(items, orientation, evidence)
+    return oriented(_with_loose_pieces_told(items), orientation, evidence)
 
 
 def _sides(mesh: Mesh) -> float:
     large_axes(mesh)  # are kept: its unit is told of them
     return right_side_out(mesh.face_centroids, mesh.face_normals, mesh.face_areas)
+
+
+def _with_loose_pieces_told(items: Items) -> Items:
+    """Items whose report counts the pieces that touch nothing else; a scan in crumbs is worth a warning."""
+    n_pieces, piece = connected_components(items.n, items.pairs)
+    largest = np.bincount(piece, items.areas).max(initial=0.0) / max(float(items.areas.sum()), 1e-300)
+    if n_pieces >= CRUMBS and largest < 0.5:
+        warn_caller(
+            f"the scan lies in {n_pieces} loose pieces, each a segment at least, and the largest has "
+            f"{largest:.0%} of its area; where they should touch, fuse or weld them first, or raise bridge="
+        )
+    return dataclasses.replace(items, report={**items.report, "loose pieces": n_pieces})
 
 
 def _simplified(

@@ -489,6 +489,8 @@ def test_faces_wound_at_random_are_noticed_and_the_advice_helps():
 def test_a_scan_in_dust_says_how_little_it_could_label():
     with pytest.warns(UserWarning, match=r"only 0\.3% of the faces are labeled.*items='superfacets'"):
         segment(shapes.fragments(300), Params.thesis())
+    with pytest.warns(UserWarning, match=r"300 loose pieces.* has 0% of its area.*raise bridge="):
+        assert segment(shapes.fragments(300)).report["loose pieces"] == 300
 
 
 @given(nasty_meshes(), st.sampled_from(["default", "thesis", "spectral", "median", "hks", "wks"]))
