@@ -36,6 +36,9 @@ INSIDE_OUT = 0.1  # evidence from which on normals point away from free space
 ASYMMETRY = 0.08  # from which on the two ends of an axis differ
 ASKEW = 0.9  # cosine up to which a face looks along no axis
 MORE = 1.5  # times as much that stands around another axis makes one doubtful
+AT_ENDS = 0.06  # of the extent, within which floor and ceiling themselves lie
+THINGS = 0.005  # of the area, that furniture between them has at least
+TWICE = 1.5  # times as much that faces one way as the other
 CLEAR_RISE = 0.2  # from which on floor and ceiling are told from two walls
 
 
@@ -118,7 +121,9 @@ def up_direction(mesh: Mesh, axes: Sequence[Axis] | None = None) -> FloatArray |
     if (axes[0].along if has_sides else axes[0].share) >= ALONE:
         return _off_the_plane(mesh, axes[0], has_sides=has_sides)
     evidence = right_side_out(mesh.face_centroids, mesh.face_normals, mesh.face_areas)
+    side = 1.0
     if evidence < -INSIDE_OUT:
+        side = -1.0
         centers, normals, areas = _sample(mesh)
         axes = [axis for axis in _axes(centers, -normals, areas) if axis.share >= LEAST]
     low, high = ROOM_HEIGHT
@@ -135,14 +140,14 @@ def up_direction(mesh: Mesh, axes: Sequence[Axis] | None = None) -> FloatArray |
         mesh, [best, *(a for a, score in others if score > max(scores) / 4)]
     ):
         return None
-    if not has_sides and best.is_opposed:
+    if not has_sides and (best.is_opposed or low <= best.extent <= high):
         return _below_the_middle(mesh, best)
     if not has_sides:
         return _off_the_plane(mesh, best, has_sides=evidence > INSIDE_OUT)
     rivals = [axis for axis, score in others if score > 0.5 * max(scores) and axis.is_opposed]
     if best.rise < ASYMMETRY or any(axis.rise > best.rise + 0.2 for axis in rivals):
         return None
-    return best.direction
+    return _by_things(mesh, best, side)
 
 
 def _turns_more(mesh: Mesh, axes: Sequence[Axis]) -> bool:
@@ -168,6 +173,9 @@ def _off_the_plane(mesh: Mesh, axis: Axis, *, has_sides: bool) -> FloatArray | N
         return None
     centers, normals, areas = _sample(mesh)
     height, is_plane = centers @ axis.direction, np.abs(normals @ axis.direction) > CONE
+    if not is_plane.any():
+        return None
+    height = height - height[is_plane].min()  # far from the origin no numbers are left between two of them
     share, edges = np.histogram(height[is_plane], 60, weights=areas[is_plane])
     level, apart = float(edges[share.argmax() : share.argmax() + 2].mean()), 0.03 * size
     above, below = (
@@ -178,6 +186,23 @@ def _off_the_plane(mesh: Mesh, axis: Axis, *, has_sides: bool) -> FloatArray | N
     if above > below:
         return axis.direction
     return None if has_sides else -axis.direction
+
+
+def _by_things(mesh: Mesh, axis: Axis, side: float) -> FloatArray | None:
+    """Up of a room whose upright axis is known: seats, tables and shelves between floor and ceiling face up.
+
+    How much there is of the floor and of the ceiling themselves tells nothing where the scan was cut. None
+    where as much between them faces down. Normals count as multiplied by ``side``.
+    """
+    centers, normals, areas = _sample(mesh)
+    height, facing = centers @ axis.direction, side * (normals @ axis.direction)
+    low, high = np.percentile(height, [1, 99])
+    place = (height - low) / max(float(high - low), 1e-12)
+    areas = np.where((place > AT_ENDS) & (place < 1 - AT_ENDS), areas, 0.0) / areas.sum()
+    alike, other = (float(areas[sign * facing > CONE].sum()) for sign in (1, -1))
+    if max(alike, other) < THINGS or max(alike, other) < TWICE * min(alike, other):
+        return None
+    return axis.direction if alike > other else -axis.direction
 
 
 def _below_the_middle(mesh: Mesh, axis: Axis) -> FloatArray | None:

@@ -95,6 +95,25 @@ def test_a_room_as_points_without_normals_stands_on_its_floor(rooms):
         assert up_direction(PointCloud(room.face_centroids @ turned.T)) @ [0, 0, -1] > 0.99
 
 
+@pytest.mark.parametrize("toward", [(0.0, 0.3, 0.95), (0.5, 0.1, 0.85), (-0.5, -0.3, 0.8)])
+def test_of_a_room_cut_askew_the_ceiling_is_no_floor(rooms, toward):
+    told = []
+    for room in rooms:
+        along = room.face_centroids @ toward
+        part = room.part(np.flatnonzero(along > np.quantile(along, 0.45)))  # the ceiling, and little else
+        told += [up_direction(part), up_direction(PointCloud(part.face_centroids))]
+    assert all(up is None or up @ [0, 0, 1] > 0.99 for up in told)
+    assert sum(up is not None for up in told) >= 3
+
+
+def test_heights_of_a_plane_that_only_rounding_tells_apart():
+    wall = shapes.grid_square(20, size=0.5)
+    both = together(shapes.grid_square(30), Mesh(wall.vertices[:, [0, 2, 1]], wall.faces))
+    for seed in range(8):
+        turn = Rotation.random(random_state=seed).as_matrix()
+        up_direction(Mesh(both.vertices @ turn.T + 1e4, both.faces))  # fails nowhere
+
+
 def test_walls_as_far_apart_as_floor_and_ceiling_are_no_floor():
     room = flipped(block((4.3, 3.4, 2.0), n=24))
     is_open = room.face_normals[:, 2] > -0.9
