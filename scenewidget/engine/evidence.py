@@ -16,7 +16,7 @@ from scenewidget.engine.threads import one_blas_thread
 
 __all__ = ["agreement_of_groups", "counted_together"]
 
-BLOCK = 128  # A thread counts so many rows at a time.
+BLOCK = 128  # A thread counts so many rows at a time, and compares them with as many.
 
 
 def agreement_of_groups(
@@ -103,13 +103,18 @@ def counted_together(table: IntArray, n_threads: int = 1, *, seen: bool = False)
 @kernel
 def _count(table, out, first, last):  # type: ignore[no-untyped-def]
     """Runs in which two rows fall in one cluster, of rows from ``first`` to all before."""
-    for i in range(first, last):
-        for j in range(i + 1):
-            equal = 0
-            for r in range(table.shape[1]):
-                equal += table[i, r] == table[j, r] and table[i, r] >= 0
-            out[i, j] = equal
-            out[j, i] = equal
+    n_runs = table.shape[1]
+    for left in range(0, last, BLOCK):  # squares, whose both sides of the diagonal stay in the cache
+        right = left + BLOCK
+        for i in range(first if first > left else left, last):
+            for j in range(left, i + 1 if i < right else right):
+                equal = np.int32(0)
+                for r in range(n_runs):
+                    equal = np.int32(equal + np.int32(table[i, r] == table[j, r] and table[i, r] >= 0))
+                out[i, j] = equal
+        for j in range(left, right if right < last else last):
+            for i in range(first if first > j else j, last):
+                out[j, i] = out[i, j]
 
 
 @kernel

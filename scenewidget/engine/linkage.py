@@ -11,6 +11,7 @@ import numpy as np
 from scenewidget.engine.atoms import by_first_appearance
 from scenewidget.engine.kernels import kernel
 from scenewidget.engine.mesh import FloatArray, IntArray
+from scenewidget.engine.threads import by_parts
 
 __all__ = ["average_linkage", "cut_tree"]
 
@@ -51,7 +52,8 @@ def average_linkage(C: FloatArray, weights: FloatArray, seen: FloatArray | None 
     n = len(C)
     if n == 1:
         return np.empty((0, 4))
-    distances = 1.0 - np.asarray(C, dtype=np.float64)
+    shares, distances = np.ascontiguousarray(C, dtype=np.float64).ravel(), np.empty((n, n))
+    by_parts(lambda part: np.subtract(1.0, shares[part], out=distances.ravel()[part]), n * n)
     _symmetrise(distances)
     area = np.maximum(np.asarray(weights, dtype=np.float64), 1e-12 * max(float(np.max(weights)), 1e-300))
     pairs = np.empty((0, 0))

@@ -634,7 +634,8 @@ def connected_components(n_items: int, pairs: IntArray) -> tuple[int, IntArray]:
     (2, array([0, 0, 1, 1], dtype=int32))
     """
     component = np.arange(n_items, dtype=np.int32)
-    return int(_join_all(np.ascontiguousarray(pairs, dtype=np.int32), component)), component
+    edges = _read_only(np.ascontiguousarray(pairs, dtype=np.int32).view())  # of one kind: it compiles once
+    return int(_join_all(edges, component)), component
 
 
 @kernel

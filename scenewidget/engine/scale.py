@@ -188,7 +188,9 @@ def _sums(rows_of: Callable[[slice], FloatArray], n: int) -> FloatArray:
     """(n_rows,) sum of each row, so exact that the order of what is in it doesn't show; made part by part."""
     total = np.zeros((2, len(rows_of(slice(0, 0)))))
     for part in parts(n):
-        _add(np.ascontiguousarray(rows_of(part), dtype=np.float64), total)
+        rows = np.ascontiguousarray(rows_of(part), dtype=np.float64).view()
+        rows.flags.writeable = False  # of one kind: it compiles once
+        _add(rows, total)
     return np.asarray(total.sum(axis=0))
 
 

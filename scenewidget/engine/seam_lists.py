@@ -155,7 +155,8 @@ def _join(  # type: ignore[no-untyped-def]
                 degree[i] += 1
             most = 0.0
             for v in range(n_values):
-                most = max(most, abs(sums[s, v]))
+                if abs(sums[s, v]) > most:
+                    most = abs(sums[s, v])
             mean[s] = most / length[s]
             rank[s] = mean[s]
             if doubt > 0.0:
