@@ -58,6 +58,17 @@ export function fakePicture({ mode = "edit", level = "base" } = {}) {
     isDrawn: (/** @type {number} */ face) => face !== 13,
     pointBefore: (/** @type {{ x: number }} */ { x }) => [x, 0, 0],
     ownVector: (/** @type {number[]} */ [x, y, z]) => [z, x, y],
+    before: new Set(),
+    prepare: (/** @type {() => void} */ work) => {
+      if (view.before.size === 0) {
+        requestAnimationFrame(() => {
+          for (const each of view.before) each();
+          view.before.clear();
+        });
+      }
+      view.before.add(work);
+    },
+    forget: (/** @type {() => void} */ work) => view.before.delete(work),
     prepareSurface: () => view.looked.push("surface"),
     partOf: (/** @type {number} */ face) => Math.floor(face / 5),
     segmentOf: (/** @type {number} */ face) => Math.floor(face / 10),

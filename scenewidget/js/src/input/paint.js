@@ -30,7 +30,6 @@ export function createPaint({ view, segments, options, send }) {
   let hasLeft = false;
   /** Whether the stroke began without sticking, or went on so. */
   let isLoose = false;
-  let request = 0;
   /** @type {import("../labels/painting.js").Draft} */
   let draft = { faceAtom: null };
   /** Where the stroke has grown since it was last shown. */
@@ -41,19 +40,16 @@ export function createPaint({ view, segments, options, send }) {
     onto: /** @type {number | null} */ (null),
   };
 
-  /** Show the stroke with the next frame: a fast pointer moves several times in between. */
+  /** Show the stroke, with the next frame: a fast pointer moves several times in between. */
   function show() {
-    request ||= requestAnimationFrame(() => {
-      request = 0;
-      const sketch = edit();
-      const { sight } = view;
-      const isSame = sight !== null && sight === shown.sight && sketch.onto_face === shown.onto;
-      segments.sketch = { ...sketch, draft };
-      segments.sketchArea = isSame && !view.isCloud ? area : null;
-      [shown.sight, shown.onto] = [sight, sketch.onto_face];
-      area = nowhere();
-      send({ kind: "segments" });
-    });
+    const sketch = edit();
+    const { sight } = view;
+    const isSame = sight !== null && sight === shown.sight && sketch.onto_face === shown.onto;
+    segments.sketch = { ...sketch, draft };
+    segments.sketchArea = isSame && !view.isCloud ? area : null;
+    [shown.sight, shown.onto] = [sight, sketch.onto_face];
+    area = nowhere();
+    send({ kind: "segments" });
   }
 
   function edit() {
@@ -83,8 +79,7 @@ export function createPaint({ view, segments, options, send }) {
   }
 
   function drop() {
-    cancelAnimationFrame(request);
-    request = 0;
+    view.forget(show);
     const hadAny = faces.size > 0;
     [faces, first, hasLeft, isLoose] = [new Set(), null, false, false];
     [draft, area, shown.sight] = [{ faceAtom: null }, nowhere(), null];
@@ -143,7 +138,7 @@ export function createPaint({ view, segments, options, send }) {
         if (first !== null && face !== first && !hasLeft)
           hasLeft = segments.baseOf(face) !== segments.baseOf(first);
       }
-      if (faces.size > before) show();
+      if (faces.size > before) view.prepare(show);
     },
 
     /** Forget the stroke. */

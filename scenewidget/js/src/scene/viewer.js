@@ -146,6 +146,8 @@ export class Viewer {
     this.isSwift = false;
     this.drawing = 0;
     this.request = 0;
+    /** What is to be done before the next frame is drawn. @type {Set<() => void>} */
+    this.before = new Set();
     this.restTimer = 0;
     this.blinkTimer = 0;
     this.coarseTimer = 0;
@@ -651,6 +653,21 @@ export class Viewer {
     if (needs === FACES) this.onMove();
     this.area = this.needs === 0 ? area : joined(this.area, area);
     this.needs = Math.max(this.needs, needs);
+    this.#awaitFrame();
+  }
+
+  /** Do something once, right before the next frame is drawn: what it changes is seen in that frame. @param {() => void} work */
+  prepare(work) {
+    this.before.add(work);
+    this.#awaitFrame();
+  }
+
+  /** Don't do it any more. @param {() => void} work */
+  forget(work) {
+    this.before.delete(work);
+  }
+
+  #awaitFrame() {
     if (this.request) return;
     this.request = requestAnimationFrame(() => {
       try {
@@ -663,7 +680,10 @@ export class Viewer {
   }
 
   #frame() {
+    for (const work of this.before) work();
+    this.before.clear();
     this.request = 0;
+    if (this.needs === 0) return;
     if (this.isDisposed || this.isLost || !this.mesh || !this.isPlaced || this.size.width < 1) return;
     this.#advanceFlight();
     const { needs, area } = this;
