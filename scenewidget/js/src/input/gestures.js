@@ -51,6 +51,7 @@ const MOST_GATHERED = 5000;
  *   button before it moves; paint: the round brush is down; trace: an outline is being drawn
  * @property {Record<number, Place>} pointers  those that are down, where they were last
  * @property {Place} start
+ * @property {boolean} hasLeft  whether a line that is being drawn has left its place
  * @property {Hit | null} from  part that the press began on
  * @property {Hit | null} picked  part that a click has picked; the next click merges it
  * @property {Stroke | null} stroke  what the brush has gathered so far
@@ -70,7 +71,7 @@ const MOST_GATHERED = 5000;
 /** @type {Gesture} */
 export const IDLE = {
   ...{ phase: /** @type {"idle"} */ ("idle"), pointers: {}, start: { x: 0, y: 0 } },
-  ...{ from: null, picked: null, stroke: null },
+  ...{ hasLeft: false, from: null, picked: null, stroke: null },
 };
 
 /**
@@ -125,7 +126,7 @@ function press(gesture, event, mode, tool) {
   if (event.button === 2) return { ...next, phase: isEdit ? "aside" : "pan" };
   if (event.button === 1) return { ...next, phase: "pan" };
   if (isDrawn(tool, mode) && !event.shift)
-    return { ...next, picked: null, stroke: null, phase: tool === "lasso" ? "trace" : "tap" };
+    return { ...next, picked: null, stroke: null, hasLeft: false, phase: tool === "lasso" ? "trace" : "tap" };
   if (isEdit && !event.shift && tool === "paint")
     return { ...next, phase: "paint", picked: null, stroke: null };
   if (isEdit && event.hit && !event.shift && (tool === "brush" || event.brush))
@@ -168,6 +169,8 @@ function move(gesture, event) {
       ];
     case "aside":
       return hasLeft ? begin(next, event, "pan") : [next, []];
+    case "trace":
+      return [{ ...next, hasLeft: gesture.hasLeft || travel(gesture.start, event) >= TAP_TRAVEL }, []];
     default:
       return [next, []];
   }
@@ -203,7 +206,7 @@ function release(gesture, event, mode, tool) {
     return [{ ...gesture, pointers, phase: gesture.phase === "pinch" ? "orbit" : gesture.phase }, []];
   }
   if (gesture.phase === "trace" || (gesture.phase === "tap" && isDrawn(tool, mode))) {
-    const isMark = gesture.phase === "tap" || travel(gesture.start, event) < TAP_TRAVEL;
+    const isMark = gesture.phase === "tap" || !gesture.hasLeft; // an outline may end where it began
     return [IDLE, event.isOutside && isMark ? [] : [{ kind: isMark ? "mark" : "close" }]];
   }
   const rest = { ...IDLE, picked: gesture.picked, stroke: gesture.stroke };

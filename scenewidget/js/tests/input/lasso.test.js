@@ -44,6 +44,15 @@ test("what is seen within a line becomes a segment, in one edit, and shows while
   assert.equal(hand.gesture.phase, "idle");
 });
 
+test("a line may end where it began", () => {
+  const { feed, corners, take } = lassoing();
+  const [a, b, c, d] = corners(11.5, 15.5);
+  feed("down", a);
+  for (const place of [b, c, d, a]) feed("move", place);
+  feed("up", a);
+  assert.deepEqual(take("edit")[0].edit.ranges, [12, 16]);
+});
+
 test("through, it takes what isn't seen as well, but nothing that isn't drawn", () => {
   const { drag, take, view } = lassoing({ isThrough: true });
   view.sight.isSeen = () => false;
