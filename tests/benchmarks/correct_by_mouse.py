@@ -349,7 +349,9 @@ def correct(book: conftest.Notebook, name: str, target: float, most: int, *, has
             book.execute(f"Annotator.unseen[{step['level']!r}].add({step['part']})")
             continue
         hand.view.wait("pending", "0")
-        done = book.evaluate("[type(edit).__name__ + ' ' + edit.level for edit in w.session.edits][-1]")
+        done = book.evaluate(
+            "[type(edit).__name__ + ' ' + getattr(edit, 'level', '') for edit in w.session.edits][-1]"
+        )
         if int(book.evaluate("len(w.session.edits)")) != n + 1 or done != f"'{step['kind']} {step['level']}'":
             raise AssertionError(f"the mouse meant {step}, but {done} was done")
         print(f"  {step['kind']} at level {step['level']!r} by the mouse", flush=True)
