@@ -139,10 +139,14 @@ def principal_axes(points: FloatArray, weights: FloatArray) -> tuple[FloatArray,
     """
     n = len(points)
     share = weights / max(float(_sums(lambda rows: weights[None, rows], n)[0]), 1e-300)
-    middle = _sums(lambda rows: points[rows].T * share[rows], n)
+
+    def columns(rows: slice) -> FloatArray:  # one after the other, which is several times as fast
+        return np.ascontiguousarray(points[rows].T)
+
+    middle = _sums(lambda rows: columns(rows) * share[rows], n)
 
     def products(rows: slice) -> FloatArray:
-        x, y, z = np.ascontiguousarray((points[rows] - middle).T)
+        x, y, z = columns(rows) - middle[:, None]
         out = np.empty((6, len(x)))
         for product, (one, other) in zip(out, ((x, x), (x, y), (x, z), (y, y), (y, z), (z, z))):
             np.multiply(one, other, out=product)
@@ -153,7 +157,7 @@ def principal_axes(points: FloatArray, weights: FloatArray) -> tuple[FloatArray,
     values, axes = np.maximum(values[::-1], 0.0), axes[:, ::-1]
 
     def cubes(rows: slice) -> FloatArray:
-        along = ((points[rows] - middle) @ axes).T
+        along = np.ascontiguousarray(((points[rows] - middle) @ axes).T)
         return np.asarray(share[rows] * along * along * along)
 
     with one_blas_thread():
