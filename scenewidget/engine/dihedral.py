@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from scipy import sparse
 
 from scenewidget.engine.checks import checked_count
 from scenewidget.engine.kernels import kernel
@@ -21,6 +20,7 @@ from scenewidget.engine.mesh import (
     Mesh,
     connected_components,
     face_adjacency,
+    neighbor_table,
 )
 from scenewidget.engine.monitor import SILENT, Monitor
 from scenewidget.engine.threads import by_parts
@@ -106,17 +106,16 @@ def dihedral_partition(
     pairs = face_adjacency(mesh)
     monitor.tick(0.0)
     normals = _normals_everywhere(mesh, pairs)
-    dots = np.empty(len(pairs))
+    indptr, indices = neighbor_table(n, pairs)
+    faces = np.repeat(np.arange(n, dtype=np.int32), np.diff(indptr))
+    dots = np.empty(len(indices))
 
     def dots_of(rows: slice) -> None:
-        one, other = (np.take(normals, side, axis=0) for side in pairs[rows].T)
+        one, other = (np.take(normals, side[rows], axis=0) for side in (faces, indices))
         np.einsum("ij,ij->i", one, other, out=dots[rows])
 
-    by_parts(dots_of, len(pairs))
-    place = _place_in_slots(np.clip(dots, -1.0, 1.0), n_slots, mapping)
-    graph = sparse.csr_array((np.arange(1, len(pairs) + 1), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
-    graph = sparse.csr_array(graph + graph.T)
-    neighbours = graph.indptr, graph.indices, place[graph.data - 1]
+    by_parts(dots_of, len(indices))
+    neighbours = indptr, indices, _place_in_slots(np.clip(dots, -1.0, 1.0), n_slots, mapping)
     seeds = np.arange(n) if order == "index" else np.argsort(-mesh.face_areas, kind="stable")
 
     partition = np.full(n, -1, dtype=np.int32)

@@ -45,6 +45,7 @@ __all__ = ["Items", "Touching", "find_bridges", "patch_items", "simplified_items
 T = TypeVar("T", bound=np.generic)
 
 FEWEST_ITEMS = 1_000  # that there is room for, however small the scene
+FARTHER = 1.35  # that a sweep over the neighbours of a point reaches than over those of a face as large
 SCENE = 0.05  # of the scan's area; what is smaller and floats far off is looked at with the largest island
 WORST = ("area of the smallest superfacet", "sweeps of the normal filter")  # of all islands the most
 
@@ -531,7 +532,8 @@ def _superfacets(
     So what float32 rounds is the same however the file turns the scan.
     """
     if sweeps == "auto":
-        sweeps = sweeps_for(float(np.sqrt(2.0 * np.median(mesh.face_areas))) / scale)
+        edge = float(np.sqrt(2.0 * np.median(mesh.face_areas))) / scale
+        sweeps = sweeps_for(FARTHER * edge if mesh.is_cloud else edge)
     smooth = partial(
         filter_normals,
         mesh,

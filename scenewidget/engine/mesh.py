@@ -26,6 +26,7 @@ __all__ = [
     "MeshError",
     "connected_components",
     "face_adjacency",
+    "neighbor_table",
     "shared_edge_lengths",
 ]
 
@@ -462,6 +463,38 @@ def in_order(one: IntArray, other: IntArray) -> IntArray:
 
     by_parts(apart, len(code))
     return out
+
+
+def neighbor_table(n_items: int, pairs: IntArray) -> tuple[IntArray, IntArray]:
+    """Neighbours of each item as (indptr, indices) of a csr pattern, both int32, ascending.
+
+    Parameters
+    ----------
+    n_items : int
+    pairs : (n_pairs, 2) int
+        Neighbours; each pair once, in either order.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.mesh import neighbor_table
+    >>> starts, neighbors = neighbor_table(3, np.array([[0, 1], [1, 2]]))
+    >>> starts.tolist(), neighbors.tolist()
+    ([0, 1, 3, 4], [1, 0, 2, 1])
+    """
+    n = len(pairs)
+    code, out = np.empty((2, n), dtype=np.int64), np.empty(2 * n, dtype=np.int32)
+
+    def both_ways(rows: slice) -> None:
+        one, other = np.ascontiguousarray(pairs[rows].T, dtype=np.int64)
+        code[0, rows], code[1, rows] = one << 32 | other, other << 32 | one
+
+    by_parts(both_ways, n)
+    codes = code.ravel()
+    codes.sort()
+    by_parts(lambda rows: np.bitwise_and(codes[rows], 0xFFFFFFFF, out=out[rows], casting="unsafe"), 2 * n)
+    count = np.bincount(np.asarray(pairs, dtype=np.int64).ravel(), minlength=n_items)
+    return np.concatenate([[0], np.cumsum(count)]).astype(np.int32), out
 
 
 def shared_edge_lengths(mesh: Mesh, face_pairs: IntArray) -> FloatArray:

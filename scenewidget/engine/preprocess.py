@@ -27,20 +27,22 @@ from scenewidget.engine.mesh import (
     IntArray,
     Mesh,
     MeshError,
+    ascending,
     connected_components,
     face_adjacency,
+    neighbor_table,
     unique_codes,
     weld,
 )
 from scenewidget.engine.monitor import SILENT, Monitor
-from scenewidget.engine.threads import by_parts
 
-__all__ = ["Simplified", "filter_normals", "keep_components", "neighbor_table", "simplify"]
+__all__ = ["Simplified", "filter_normals", "keep_components", "simplify"]
 
 Simplifier = Literal["fast", "qslim"]
 _FAST_EDGE = 0.02  # mean length that `decimate` is given: its thresholds are absolute, for metres
 PLAIN_SWEEPS, SUPER_STEPS = 6, 4  # of the normal filter: first so many alone, the others in so many groups
 BLOCK = 128  # faces whose normals are filtered at once
+STRETCH = 4096  # points along the curve among which those with as many neighbours come together
 # 2^x as float32, x ≤ 0: powers of 2^(−1/32), and a polynomial of what is left (Nagy, Arm Optimized Routines)
 ROOTS = np.array([2.0 ** (-i / 32) for i in range(32)])
 POWERS = np.array([2.0**-i for i in range(130)])
@@ -521,38 +523,6 @@ def _closest(points: FloatArray, mesh: Mesh, monitor: Monitor) -> tuple[IntArray
     return nearest, distance
 
 
-def neighbor_table(n_items: int, pairs: IntArray) -> tuple[IntArray, IntArray]:
-    """Neighbours of each item as (indptr, indices) of a csr pattern, both int32, ascending.
-
-    Parameters
-    ----------
-    n_items : int
-    pairs : (n_pairs, 2) int
-        Neighbours; each pair once, in either order.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from scenewidget.engine.preprocess import neighbor_table
-    >>> starts, neighbors = neighbor_table(3, np.array([[0, 1], [1, 2]]))
-    >>> starts.tolist(), neighbors.tolist()
-    ([0, 1, 3, 4], [1, 0, 2, 1])
-    """
-    n = len(pairs)
-    code, out = np.empty((2, n), dtype=np.int64), np.empty(2 * n, dtype=np.int32)
-
-    def both_ways(rows: slice) -> None:
-        one, other = np.ascontiguousarray(pairs[rows].T, dtype=np.int64)
-        code[0, rows], code[1, rows] = one << 32 | other, other << 32 | one
-
-    by_parts(both_ways, n)
-    codes = code.ravel()
-    codes.sort()
-    by_parts(lambda rows: np.bitwise_and(codes[rows], 0xFFFFFFFF, out=out[rows], casting="unsafe"), 2 * n)
-    count = np.bincount(np.asarray(pairs, dtype=np.int64).ravel(), minlength=n_items)
-    return np.concatenate([[0], np.cumsum(count)]).astype(np.int32), out
-
-
 def filter_normals(
     mesh: Mesh,
     pairs: IntArray,
@@ -610,8 +580,11 @@ def filter_normals(
     here[:-1, :3] = mesh.face_normals if normals is None else normals
     here[:-1, 3] = mesh.face_areas / max(float(mesh.face_areas.max()), 1e-300)  # any unit fits
     steps, width32 = _super_steps(sweeps), np.float32(width)
-    order = along_curve(mesh.face_centroids) if mesh.is_cloud else None  # neighbours near in memory
-    if order is not None:
+    order = None
+    if mesh.is_cloud:  # neighbours near in memory, and blocks of points that have as many of them
+        order = along_curve(mesh.face_centroids)
+        stretch = np.arange(mesh.n_faces, dtype=np.int32) // STRETCH * STRETCH
+        order = order[ascending(stretch + np.minimum(np.diff(indptr)[order], STRETCH - 1))]
         here[:-1], (indptr, indices) = here[order], _reordered(indptr, indices, order)
     there = here.copy()
     bounds = np.linspace(0, mesh.n_faces, n_threads + 1).astype(np.int64)

@@ -16,6 +16,7 @@ from scenewidget.engine.mesh import (
     ascending,
     connected_components,
     face_adjacency,
+    neighbor_table,
     shared_edge_lengths,
     unique_codes,
     weld,
@@ -231,3 +232,12 @@ def test_what_is_known_of_faces_goes_with_those_chosen():
 def test_ascending_is_a_stable_order_of_any_numbers(values, dtype):
     values = np.array(values, dtype)
     assert ascending(values).tolist() == np.argsort(values, kind="stable").tolist()
+
+
+@given(messy_meshes())
+def test_neighbors_are_listed_in_order(mesh):
+    pairs = face_adjacency(mesh)
+    indptr, indices = neighbor_table(mesh.n_faces, pairs)
+    for f in range(mesh.n_faces):
+        expected = sorted([b for a, b in pairs.tolist() if a == f] + [a for a, b in pairs.tolist() if b == f])
+        assert indices[indptr[f] : indptr[f + 1]].tolist() == expected

@@ -18,7 +18,6 @@ from scenewidget.engine.preprocess import (
     _shortest_edges,
     filter_normals,
     keep_components,
-    neighbor_table,
     simplify,
 )
 
@@ -308,15 +307,6 @@ def test_what_cannot_be_simplified_is_refused(mesh, options, error, message):
 
 
 # --- normals --------------------------------------------------------------------------------------
-
-
-@given(messy_meshes())
-def test_neighbors_are_listed_in_order(mesh):
-    pairs = face_adjacency(mesh)
-    indptr, indices = neighbor_table(mesh.n_faces, pairs)
-    for f in range(mesh.n_faces):
-        expected = sorted([b for a, b in pairs.tolist() if a == f] + [a for a, b in pairs.tolist() if b == f])
-        assert indices[indptr[f] : indptr[f + 1]].tolist() == expected
 
 
 def sweep_by_the_formula(mesh, normals, pairs, width):
