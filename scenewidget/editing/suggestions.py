@@ -21,6 +21,7 @@ from scenewidget.engine.doubt import (
     Cuts,
     Doubt,
     doubts,
+    log_odds,
     logistic,
     measure_borders,
     measure_gaps,
@@ -41,7 +42,8 @@ JOINS = 0.5  # least probability that what is cut off belongs to a neighbour for
 N_SAMPLES = 32  # faces by which a segment is known again
 MOST_CUTS = 12  # of one segment that are looked at
 MOST_PARTS = 1_000  # of a side that is named part by part
-STRENGTH = 1.5  # what a decision adds at most to the log-odds of its like, per unit of surprise
+STRENGTH = 3  # variance of the log-odds that decisions can change
+ROUNDS = 8  # of Newton's method
 LIKE = 1.0  # how far a decision reaches, in standard deviations of the measures
 WORTH = 1e-4  # gain below which there is nothing more to look at
 
@@ -167,7 +169,8 @@ class Dismissal:
         if suggestion.level == "base":
             part = int(partition.parts["base"][atoms.face_atom[suggestion.face]])
         samples, sizes = [], []
-        for face in (suggestion.face, suggestion.onto_face):
+        whole = suggestion.faces if suggestion.level == "final" else suggestion.faces[:1]
+        for face in (*whole, suggestion.onto_face):
             if face < 0:
                 continue
             inside = np.flatnonzero(partition.segment == partition.segment_at(face))
@@ -198,7 +201,7 @@ class Dismissal:
         return self.kind, frozenset(ids), self.part
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Found:
     """A suggestion before it is put in words; segments by their place among those that there are."""
 
@@ -211,6 +214,7 @@ class _Found:
     model: Model
     measures: FloatArray
     why: str
+    also: tuple[int, ...] = ()  # more whole segments that move
 
 
 @dataclass(eq=False)
@@ -258,7 +262,7 @@ class Advisor:
         """
         now = _Look(self, partition, dismissed)
         found = sorted((f for f in now.found() if f.p >= PROBABLE), key=lambda f: -f.gain)
-        sure = [f for f in found if f.p >= SURE and f.gain >= WORTH]
+        sure = now.together([f for f in found if f.p >= SURE and f.gain >= WORTH])
         chance = sorted(found, key=lambda f: -f.gain * f.p)[:1]  # small probabilities are the least sure
         return [now.in_words(f) for f in (sure or chance)[:n]]
 
@@ -350,6 +354,25 @@ class _Look:
     def found(self) -> list[_Found]:
         """All that could be suggested and wasn't rejected."""
         return [f for f in (*self.merges(), *self.gaps(), *self.divisions()) if f.key not in self._rejected]
+
+    def together(self, sure: list[_Found]) -> list[_Found]:
+        """The same with all that is to join one segment in one, unless that was rejected."""
+        joined: dict[int, list[_Found]] = {}
+        for f in sure:
+            if f.onto >= 0 and not len(f.side):
+                joined.setdefault(f.onto, []).append(f)
+        out = list(sure)
+        for onto, parts in joined.items():
+            key = ("merge", frozenset().union(*(f.key[1] for f in parts)), -1)
+            if len(parts) < 2 or key in self._rejected:
+                continue
+            gain = sum(f.gain for f in parts)
+            p = gain / sum(f.gain / f.p for f in parts)  # the share of it that is right
+            also = tuple(f.home for f in parts[1:])
+            why = f"{len(parts)} parts, at least {min(f.p for f in parts):.0%} each; the largest: {parts[0].why}"
+            out = [f for f in out if f not in parts]
+            out.append(_Found(gain, p, key, parts[0].home, onto, NOTHING, "", np.empty(0), why, also))
+        return sorted(out, key=lambda f: -f.gain)
 
     def merges(self) -> list[_Found]:
         """Whole segments onto larger ones that they touch."""
@@ -498,11 +521,14 @@ class _Look:
             self.partition.names.get(int(self.ids[s]), "") if s >= 0 else "" for s in (found.home, found.onto)
         ]
         thing, target = (repr(name) if name else "" for name in names)
-        if found.onto < 0:
+        if found.also:
+            title = f"Merge {1 + len(found.also)} parts with {target or 'their likely rest'}"
+        elif found.onto < 0:
             title = f"Split a part off {thing or 'a segment'}"
         else:
             title = f"Merge {thing or 'a segment'} with {target or 'its likely rest'}"
-        faces = self.faces[found.side] if len(found.side) else [self._face(found.home)]
+        wholes = [self._face(segment) for segment in (found.home, *found.also)]
+        faces = self.faces[found.side] if len(found.side) else wholes
         return Suggestion(
             "split" if found.onto < 0 else "merge",
             tuple(int(face) for face in faces),
@@ -536,12 +562,16 @@ class _Look:
 
 @dataclass(frozen=True, eq=False)
 class _Lessons:
-    """What a person's decisions say about their like: kernel regression of what the model got wrong."""
+    """What a person's decisions say about their like.
+
+    A Gaussian process over the measures, around the log-odds of the model, given the decisions (Rasmussen and
+    Williams, 2006, 3.4). What one of them has taught already, a like one teaches no more.
+    """
 
     weights: tuple[float, ...]
     spread: FloatArray  # of each measure
     measures: FloatArray  # (n, m) of what was decided, in spreads
-    surprise: FloatArray  # (n,) decision less probability, times its weight
+    surprise: FloatArray  # (n,) decision less probability, as learned by now, times its weight
 
     @classmethod
     def of(cls, rows: list[_Lesson], weights: tuple[float, ...], population: FloatArray) -> _Lessons:
@@ -549,18 +579,29 @@ class _Lessons:
         spread = population.std(axis=0) + 1e-3 if len(population) else np.ones(m)
         measures = np.array([row for row, _, _ in rows]).reshape(-1, m)
         outcome, weight = np.array([row[1:] for row in rows]).reshape(-1, 2).T
-        surprise = weight * (outcome - logistic(weights, measures))
-        return cls(weights, spread, measures / spread, surprise)
+        prior, places = log_odds(weights, measures), measures / spread
+        alike, surprise = _alike(places, places), np.zeros(len(rows))
+        for _ in range(ROUNDS):  # Newton's method for α = w (outcome − p), log-odds of p = prior + K α
+            odds = prior + alike @ surprise
+            p = 1.0 / (1.0 + np.exp(-odds))
+            slope = weight * p * (1.0 - p)
+            miss = weight * (outcome - p) - surprise
+            surprise = surprise + np.linalg.solve(np.eye(len(rows)) + slope[:, None] * alike, miss)
+        return cls(weights, spread, places, surprise)
 
     def probability(self, measures: FloatArray) -> FloatArray:
         """(n,) of measures (n, m), with what was learned."""
         p = logistic(self.weights, measures)
         if len(self.surprise) == 0:
             return p
-        apart = ((measures / self.spread)[:, None] - self.measures[None]) ** 2
-        like = np.exp(-apart.mean(axis=2) / (2 * LIKE**2))
-        odds = np.log(p / (1 - p)) + STRENGTH * like @ self.surprise
+        odds = np.log(p / (1 - p)) + _alike(measures / self.spread, self.measures) @ self.surprise
         return np.asarray(1.0 / (1.0 + np.exp(-odds)))
+
+
+def _alike(some: FloatArray, others: FloatArray) -> FloatArray:
+    """(n, m) covariance of log-odds, from measures in spreads."""
+    apart = (some[:, None] - others[None]) ** 2
+    return np.asarray(STRENGTH * np.exp(-apart.mean(axis=2) / (2 * LIKE**2)))
 
 
 def _length(meters: float) -> str:

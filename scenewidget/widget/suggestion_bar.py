@@ -111,5 +111,4 @@ class SuggestionBar:
 def _shown(suggestion: Suggestion, n_seen: int, n_left: int) -> dict[str, Any]:
     """What the bar shows: the suggestion, and how far one has come."""
     of = f"{n_seen} of {n_seen + n_left} doubtful places seen" if n_left else "the rest hardly matters"
-    fields = {name: value for name, value in vars(suggestion).items() if name != "faces"}
-    return {**fields, "face": suggestion.face, "progress": of}
+    return {**vars(suggestion), "faces": list(suggestion.faces), "face": suggestion.face, "progress": of}

@@ -47,6 +47,8 @@ export class ShownSegments {
     this.base = null;
     /** What a cut would divide off, shown as if it were done, while `under` are the segments. @type {{ under: Uint32Array, segment: number, nFaces: number, tables: Tables } | null} */
     this.offcut = null;
+    /** A face of each part that a suggested edit moves: they count as one part. @type {number[]} */
+    this.suggested = [];
     /** Whether something else is shown for the moment. */
     this.isPreview = false;
     /** @type {Tables | null} */
@@ -91,7 +93,8 @@ export class ShownSegments {
     const tables = { faceAtom, atomSegment: under, atomPart, segmentColors, atomConfidence };
     this.tables = finer ? finerTables(tables, finer, model.get("levels")) : tables;
     if (this.offcut?.under !== under) this.offcut = null;
-    this.#show(makePartition(this.offcut?.tables ?? this.tables, level, picture.mesh));
+    const [shown, row] = gathered(this.offcut?.tables ?? this.tables, level, this.suggested);
+    this.#show(makePartition(shown, row, picture.mesh));
   }
 
   /** @param {Partition | null} partition */
@@ -217,4 +220,21 @@ export class ShownSegments {
 function partsOf(levels, atomPart, nAtoms) {
   const rows = levels.map((_, i) => atomPart?.subarray(i * nAtoms, (i + 1) * nAtoms) ?? new Uint32Array(0));
   return Object.fromEntries(levels.map((level, i) => [level, rows[i]]));
+}
+
+/**
+ * Tables in which several parts are one, and the row of their parts; −1: the segments.
+ * @param {Tables} tables
+ * @param {number} level
+ * @param {number[]} faces  one of each
+ * @returns {[Tables, number]}
+ */
+function gathered(tables, level, faces) {
+  if (faces.length < 2) return [tables, level];
+  const { faceAtom, atomSegment, atomPart } = tables;
+  const n = atomSegment.length;
+  const column = level < 0 || !atomPart ? atomSegment : atomPart.subarray(level * n, (level + 1) * n);
+  const parts = new Set(faces.map((face) => column[faceAtom[face]]));
+  const first = column[faceAtom[faces[0]]];
+  return [{ ...tables, atomPart: column.map((part) => (parts.has(part) ? first : part)) }, 0];
 }

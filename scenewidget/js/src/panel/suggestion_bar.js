@@ -44,6 +44,8 @@ export function createSuggestionBar({ model, view, segments, root, connection, s
     text.textContent = shown.title ?? "";
     why.textContent = shown.why ?? "";
     progress.textContent = shown.progress ?? "";
+    segments.suggested = shown.faces ?? [];
+    send({ kind: "segments" });
     send({ kind: "suggested", edit: isThere ? { face: shown.face, onto: shown.onto_face } : null });
   }
 

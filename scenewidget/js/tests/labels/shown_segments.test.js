@@ -42,6 +42,19 @@ function fake(state = {}) {
   };
 }
 
+test("all parts that a suggested edit moves are one", () => {
+  for (const [level, parts] of /** @type {const} */ ([
+    ["base", [5, 6, 5, NONE]],
+    ["final", [0, 0, 0, NONE]],
+  ])) {
+    const { segments, shown } = fake({ level });
+    segments.suggested = [0, 2];
+    segments.read();
+    assert.deepEqual([...shown.partition.atomPart], parts);
+    assert.deepEqual([...shown.partition.atomSegment], [0, 0, 1, NONE]);
+  }
+});
+
 test("edits on their way show as done, and go when Python has answered", () => {
   const { model, segments, shown } = fake();
   assert.equal(segments.count, 2);

@@ -6,7 +6,15 @@ import { control, fakeDispatcher, fakeModel, fire, openPage, PageElement } from 
 openPage();
 /** @type {any} */ (globalThis).window = new EventTarget();
 
-const SUGGESTION = { number: 7, kind: "merge", title: "Merge both", face: 3, onto_face: 9, level: "final" };
+const SUGGESTION = {
+  number: 7,
+  kind: "merge",
+  title: "Merge both",
+  face: 3,
+  faces: [3, 5],
+  onto_face: 9,
+  level: "final",
+};
 
 function fake() {
   const dispatcher = fakeDispatcher();
@@ -15,21 +23,33 @@ function fake() {
   const model = fakeModel({ editable: true, level: "base", suggestion: {}, _channel: "one" });
   /** @type {number[]} */
   const looked = [];
-  const around = /** @type {any} */ ({ model, root, ...dispatcher, segments: { isPreview: false } });
+  const segments = { isPreview: false, suggested: [] };
+  const around = /** @type {any} */ ({ model, root, ...dispatcher, segments });
   const live = { isLive: true };
   around.connection = { isLive: () => live.isLive };
   Object.assign(around, { view: { lookAround: (/** @type {number} */ face) => looked.push(face) } });
   createSuggestionBar({ ...around, signal: new AbortController().signal }, /** @type {any} */ (dock));
-  return { model, root, dock, looked, live, ...dispatcher, bar: /** @type {any} */ (dock.children[0]) };
+  return {
+    model,
+    root,
+    segments,
+    dock,
+    looked,
+    live,
+    ...dispatcher,
+    bar: /** @type {any} */ (dock.children[0]),
+  };
 }
 
 test("a suggestion is shown at its level, lit and looked at", async () => {
-  const { model, root, looked, take, bar } = fake();
+  const { model, root, segments, looked, take, bar } = fake();
   assert.equal(bar.hidden, true);
   model.set("suggestion", SUGGESTION);
   await Promise.resolve();
+  assert.deepEqual(segments.suggested, [3, 5]);
   assert.deepEqual([bar.hidden, root.dataset.suggestion, looked], [false, "merge", [3]]);
-  assert.deepEqual(take("set", "suggested").slice(-2), [
+  assert.deepEqual(take("set", "suggested", "segments").slice(-3), [
+    { kind: "segments" },
     { kind: "suggested", edit: { face: 3, onto: 9 } },
     { kind: "set", name: "level", value: "final" },
   ]);
