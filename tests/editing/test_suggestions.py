@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 import scenewidget as sw
 from scenewidget.editing import EditError, Relabel, Split, Suggestion
+from scenewidget.editing.suggestions import _Lessons
 from scenewidget.engine.doubt import measure_gaps
 from scenewidget.engine.pieces import make_pieces
 from scenewidget.metrics import rand_index_error
@@ -188,6 +189,47 @@ def test_one_answer_makes_its_like_more_or_less_likely():
     like = session.suggestions()[0]  # the only one left, and not as probable any more
     assert ends(like) == ends(second)
     assert like.p < second.p - 0.05
+
+
+def test_answers_of_one_kind_teach_less_and_less():
+    """The mode of a Gaussian process: what each answer still teaches is what is still surprising."""
+    rng = np.random.default_rng(0)
+    measures, weights = rng.normal(size=(12, 2)), (-1.0, 0.5, 0.2)
+    rows = [(row, float(k % 3 > 0), 0.25 * (1 + k % 4)) for k, row in enumerate(measures)]
+    learned = _Lessons.of(rows, weights, measures)
+    found = learned.probability(measures)
+    _, outcome, share = zip(*rows)
+    np.testing.assert_allclose(learned.surprise, np.array(share) * (np.array(outcome) - found), atol=1e-6)
+    p = [
+        _Lessons.of([(np.zeros(2), 1.0, 1.0)] * n, weights, measures).probability(np.zeros((1, 2)))[0]
+        for n in range(9)
+    ]
+    steps = np.diff(p)
+    assert (steps > 0).all()
+    assert (np.diff(steps) < 0).all()
+    assert p[-1] < 0.95
+
+
+def test_what_is_to_join_one_segment_comes_in_one_look_and_once_rejected_one_by_one():
+    mesh = shapes.sheet(32, 3, width=8.0, depth=2.0)  # a large segment between two small ones
+    base = np.arange(mesh.n_faces) // FACES
+    keys = np.tile(np.array([[1], [0], [0], [0], [0], [0], [0], [2]]), (1, 10))
+    keys[[0, 7], :9] = 0
+    labels = np.array([1, 0, 0, 0, 0, 0, 0, 2])[base]
+    levels = {"base": base.astype(np.int32)}
+    session = sw.Session(mesh, sw.Segmentation(mesh, labels, levels=levels, keys=keys))
+    (both,) = session.suggestions()
+    assert sorted(face // FACES for face in both.faces) == [0, 7]
+    assert both.title == f"Merge 2 parts with their likely rest ({both.p:.0%})"
+    session.do(both.edit)
+    assert session.n_segments == 1
+    session.undo()
+    session.dismiss(both)
+    one, other = session.suggestions()
+    assert {one.face // FACES, other.face // FACES} == {0, 7}
+    assert one.gain + other.gain == pytest.approx(both.gain)
+    session.dismiss(one)
+    assert [s.edit for s in session.suggestions()] == [other.edit]
 
 
 def test_a_part_that_was_with_nothing_is_to_split_off_whole():
