@@ -25,6 +25,7 @@ from scenewidget.engine.pipeline import segment
 
 __all__ = ["Example", "count_things", "fit", "fit_logistic", "simulated", "wrong_faces"]
 
+KINDS = ("depth camera", "hasty", "lidar", "depth camera")  # scanners of the rooms, over and over
 PULL = 1e-3  # towards weights of zero, in standard deviations
 
 
@@ -131,11 +132,10 @@ def simulated(n_rooms: int, first: int = 100) -> Iterator[Example]:
     """
     from scenewidget.datasets import SCANNERS, simulate_room
 
-    kinds = ("depth camera", "hasty", "lidar", "depth camera")
     for i in range(n_rooms):
         rng = np.random.default_rng(first + i)
         options: dict[str, Any] = {
-            **SCANNERS[kinds[i % 4]],
+            **SCANNERS[KINDS[i % len(KINDS)]],
             "seed": first + i,
             "n_objects": int(rng.integers(8, 22)),
             "clutter": int(rng.integers(4, 24)),

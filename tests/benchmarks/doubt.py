@@ -1,6 +1,7 @@
 """Does doubt find errors, and do suggestions pay? Real development scans and simulated ones, apart.
 
     python tests/benchmarks/doubt.py [--kinds real judging] [--scans kitchen_25mm] [--no-looks] [--cache DIR]
+    python tests/benchmarks/doubt.py --left-out
 
 Real are the annotated scans beside the repository; they took no part in `python -m scenewidget.calibrate`,
 nor did the simulated ones of `rooms`. Columns:
@@ -10,10 +11,13 @@ faces: AUC of 1 − confidence for faces being wrong, the same of a small area o
     deviation of the confidence.
 borders: AUC and average precision of p_same for the two being mostly one thing, beside the share that are,
     and calibration error; the last row pools them. cuts: the same of p_two.
-suggestions: of the first 20 (fewer where there are fewer) the share that lowers 1 − RI, each on its own;
+suggestions: of the first 20 (fewer where there are fewer) the share that lowers 1 − RI, each on its own, what
+    joins one segment in one look counting once;
     1 − RI before, after a person who looks at 20 one by one and accepts the right ones, and after the 20 best
     edits with the truth; the share of the gain of these; looks until 1 − RI is a fifth lower, suggested, at
     random, and with the truth; milliseconds from an answer to the next suggestion.
+left out: the models fitted on the simulated rooms of all scanners but one, on those of that one, and on the
+    real scans; beside the shipped numbers.
 names: how many segments `suggest_names` names, and the share that the truth calls so, where it has names.
 """
 
@@ -31,9 +35,10 @@ import pandas as pd
 from rooms import DATA, HALVES, scans
 
 import scenewidget as sw
-from scenewidget.calibrate import count_things, wrong_faces
+from scenewidget.calibrate import KINDS, Example, count_things, fit, simulated, wrong_faces
 from scenewidget.editing import Edit, EditError, Merge, Session, Suggestion
 from scenewidget.editing.annotator import Judge
+from scenewidget.engine.doubt import FITTED, Models, doubts
 from scenewidget.engine.mesh import face_adjacency
 
 REAL = ("kitchen_12mm", "kitchen_25mm", *(f"tabletop_{i}" for i in range(1, 7)))
@@ -246,6 +251,53 @@ def judged_names(made: sw.Segmentation, truth: Array, words: tuple[str, ...]) ->
     return {"named": len(right), "right": float(np.mean(right)) if right else np.nan}
 
 
+# --- what transfers -------------------------------------------------------------------------------
+
+
+def examples_of_real() -> dict[str, Example]:
+    """The annotated scans as what is fitted to."""
+    found = {}
+    for _, name, mesh, truth, _ in every_scan(["real"], None, Path()):
+        made = sw.segment(mesh)
+        pieces = made.find_doubt().pieces
+        found[name] = Example(pieces, made.keys, dict(made.report["runs"]), count_things(pieces, truth))
+    return found
+
+
+def scores(examples: list[Example], models: Models) -> dict[str, float]:
+    """Borders pooled, and the mean of the faces, under some models."""
+    p, same, of_faces = [], [], []
+    for e in examples:
+        found = doubts(e.pieces, e.keys, e.runs, models=models)
+        table = np.zeros((len(found.two), e.things.shape[1]))
+        np.add.at(table, e.pieces.segment, e.things)
+        ends, is_known = (found.borders.first, found.borders.second), table.sum(axis=1) > 0
+        keep = is_known[ends[0]] & is_known[ends[1]]
+        p.append(found.same[keep])
+        same.append((table.argmax(axis=1)[ends[0]] == table.argmax(axis=1)[ends[1]])[keep])
+        is_foreign, is_rest = wrong_faces(e.pieces, e.things)
+        rows, columns = np.nonzero(e.things)
+        wrong = (is_foreign | is_rest)[rows, columns]
+        of_faces.append(auc(found.wrong[rows], wrong, e.things[rows, columns]))
+    pooled = pair_scores(np.concatenate(p), np.concatenate(same))
+    names = {"n": "borders", "AUC": "AUC", "ECE": "ECE"}
+    return {**{names[k]: pooled[k] for k in names}, "faces AUC": float(np.nanmean(of_faces))}
+
+
+def left_out(examples: list[Example], real: list[Example]) -> pd.DataFrame:
+    """Its rooms and the real scans by a fit that never saw a scanner, and by the shipped one."""
+    rows = {}
+    for kind in dict.fromkeys(KINDS):
+        is_kind = [KINDS[k % len(KINDS)] == kind for k in range(len(examples))]
+        rooms = [e for e, is_so in zip(examples, is_kind) if is_so]
+        models = fit([e for e, is_so in zip(examples, is_kind) if not is_so])
+        for of, where in (("its rooms", rooms), ("real", real)):
+            if where:
+                rows[f"{kind}: {of}, left out"] = scores(where, models)
+                rows[f"{kind}: {of}, shipped"] = scores(where, FITTED)
+    return pd.DataFrame(rows).T
+
+
 # --- scans ----------------------------------------------------------------------------------------
 
 
@@ -276,9 +328,13 @@ def main() -> None:
     parser.add_argument("--kinds", nargs="+", choices=["real", *HALVES], default=["real", "judging"])
     parser.add_argument("--scans", nargs="+")
     parser.add_argument("--no-looks", action="store_true", help="leave suggestions out")
+    parser.add_argument("--left-out", action="store_true", help="what a fit tells of a scanner it never saw")
     parser.add_argument("--cache", type=Path, default=Path(tempfile.gettempdir()) / "scenewidget-quality")
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
+    if arguments.left_out:
+        print(left_out(list(simulated(28)), list(examples_of_real().values())).round(3).to_string())
+        return
     tables: dict[str, dict[str, dict[str, dict[str, float]]]] = {}
     pools: dict[str, list[tuple[Array, Array, Array, Array]]] = {}
     for kind, name, mesh, truth, words in every_scan(arguments.kinds, arguments.scans, arguments.cache):
