@@ -1,7 +1,7 @@
 """How good are the segments? Thesis' preset, default and Felzenszwalb on scans with a truth, in one table.
 
     python tests/benchmarks/quality.py [--half judging] [--scans bedroom study] [--rows default strong]
-        [--seeds 0 1 2] [--cache DIR] [--ablation] [--csv FILE]
+        [--seeds 0 1 2] [--cache DIR] [--csv FILE]
 
 The scans (`rooms`) come in two halves: TUNING, on which thresholds and defaults may be chosen, with the
 development scan `bedroom`, and JUDGING, whose means are what counts, with `bedroom_noisy`. Felzenszwalb
@@ -70,30 +70,6 @@ SEARCHED = {
 }
 RAW, SIMPLIFIED, STRONG = (f"{name}, best c" for name in SEARCHED.values())
 BETTER = "the better Felzenszwalb"  # raw or simplified, scan by scan, each at its best c
-ABLATION: dict[str, dict[str, Any]] = {
-    "simplified mesh instead of superfacets": {"items": "simplified", "n_items": 10_000},
-    "no normal filter": {"filter_sweeps": 0},
-    "no bridges": {"bridge": 0.0},
-    "half the superfacets": {"n_items": 3_000},
-    "convex edges like concave ones": {"convex_weights": (1.0,)},
-    "no k-medoids runs": {"n_runs": 0},
-    "no Felzenszwalb runs": {"n_graph_runs": 0},
-    "30 Felzenszwalb runs": {"n_graph_runs": 30},
-    "cotangent δ feature": {"feature": "cotangent"},
-    "runs merged over planes": {"merge": True},
-    "PEAC": {"consensus": "peac"},
-    "median partition": {"consensus": "median"},
-    "S = auto": {"n_segments": "auto"},
-    "S = 80": {"n_segments": 80},
-    "no hop": {"hop": 0.0},
-    "cost exponent 1.5": {"cost_exponent": 1.5},
-    "shares by items": {"allocation": "faces"},
-    "planes not joined": {"join_planes": False},
-    "reliefs left": {"relief": 0.0},
-    "colours not looked at": {"contrast": 0.0},
-    "furniture not joined": {"furniture_similarity": 1.0},
-    "crumbs kept": {"min_area": 0.0},
-}
 TARGETS = {"1-RI": 0.6, "GCE": 0.8, "LCE": 0.8}  # times the best Felzenszwalb
 
 
@@ -286,14 +262,13 @@ def engine_row(
     name: str,
     params: sw.Params,
     seeds: list[int],
-    run: Callable[[Scan, sw.Params], Outcome] = by_engine,
 ) -> dict[str, float]:
     """Mean over the seeds."""
     code = probe("thesis") if name == "thesis" else engine_digest()
     rows = []
     for seed in seeds:
         options = params.replace(seed=seed)
-        rows.append(kept.get(scan, name, (code, options), lambda o=options: judged(scan, run(scan, o))))
+        rows.append(kept.get(scan, name, (code, options), lambda o=options: judged(scan, by_engine(scan, o))))
     mean = pd.DataFrame(rows).mean().to_dict()
     return {**mean, "±": float(np.ptp([row["1-RI"] for row in rows])) / 2}
 
@@ -387,57 +362,19 @@ def write_csv(tables: dict[tuple[str, str], pd.DataFrame], file: Path) -> None:
     table.drop(columns="seconds", errors="ignore").round(4).to_csv(file)
 
 
-def print_ablation(kept: Cache, arguments: argparse.Namespace) -> None:
-    """What each option of the default brings: means with one of them switched off or replaced."""
-    tables: dict[tuple[str, str], pd.DataFrame] = {}
-    variants = {"default": sw.Params()} | {
-        name: sw.Params().replace(**changes)
-        for name, changes in ABLATION.items()
-        if sw.Params().replace(**changes) != sw.Params()
-    }
-    for scan in scans(arguments.scans, arguments.half, kept.folder):
-        pipe = sw.Pipeline(scan.mesh)  # stages that variants share are computed once
-        rows = {
-            name: engine_row(
-                kept,
-                scan,
-                f"{name}, ablation",
-                params,
-                arguments.seeds,
-                lambda _, o, p=pipe: Outcome(p.run(o), np.nan),
-            )
-            for name, params in variants.items()
-        }
-        tables[scan.half, scan.name] = pd.DataFrame(rows).T.drop(columns="seconds")
-        print(f"{scan.name}: done", flush=True)
-    means = pd.concat(tables).groupby(level=2, sort=False).mean()
-    means.insert(1, "Δ 1-RI", means["1-RI"] - means.loc["default", "1-RI"])
-    is_worse = pd.DataFrame({scan: t["1-RI"] > t.loc["default", "1-RI"] for scan, t in tables.items()})
-    means.insert(2, "worse on", is_worse.sum(axis=1).astype(float))
-    print(f"\nmean over {len(tables)} scans of half {', '.join(arguments.half)}\n{shown(means)}")
-    if arguments.csv:
-        write_csv(tables, arguments.csv)
-
-
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--half", nargs="+", choices=list(HALVES), help="both; with --ablation, judging")
+    parser.add_argument("--half", nargs="+", choices=list(HALVES), default=list(HALVES))
     parser.add_argument("--scans", nargs="+", help="names of scans; all by default")
     every = [*PRESETS, *SEARCHED]
     parser.add_argument("--rows", nargs="+", choices=every, default=every)
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
     parser.add_argument("--cache", type=Path, default=Path(tempfile.gettempdir()) / "scenewidget-quality")
-    parser.add_argument("--ablation", action="store_true", help="what each option of the default brings")
     parser.add_argument("--csv", type=Path, help="where to write the rows of all scans")
     arguments = parser.parse_args()
-    arguments.half = arguments.half or (["judging"] if arguments.ablation else list(HALVES))
     warnings.simplefilter("ignore")
-    kept = Cache(arguments.cache)
-    if arguments.ablation:
-        print_ablation(kept, arguments)
-    else:
-        print_tables(kept, arguments)
+    print_tables(Cache(arguments.cache), arguments)
 
 
 if __name__ == "__main__":
