@@ -43,12 +43,14 @@ import scenewidget as sw
 from scenewidget.widget.autosave import Autosave
 from scenewidget.widget.edit_commands import EditCommands
 view, lock = SceneView(mesh, height=560, editable=True, mode="edit"), threading.RLock()
+view
+"""
+TAKE = """
 commands = EditCommands(view, lock, Autosave(view, lock, False, print), lambda: None)
 labels = np.unique(segments, return_inverse=True)[1]
 commands.take(sw.Segmentation(mesh, labels, levels={"base": halves}), sw.Params())
 view.on_msg(lambda _, message, __: commands.handle(message))
 FIRST = int(np.flatnonzero(labels == 0)[0])
-view
 """
 MERGE = """
 session = commands.session
@@ -168,6 +170,8 @@ def measure(server, context, path: Path) -> dict[str, str]:
     book.page.evaluate(run)
     view = book.view()
     first = time.perf_counter() - began
+    book.execute(TAKE)
+    view.wait("segments", book.evaluate("str(view.n_segments)").strip("'"))
     view.settle()
     book.page.wait_for_timeout(3000)  # the stand-in for movements is made meanwhile
     root = view.root.element_handle()

@@ -53,7 +53,8 @@ const FLIGHT_MS = 280;
 const BLINK_MS = 1100;
 const SMOOTH_MS = 40; // a full drawing that takes longer is replaced by the coarse one while moving
 const SWIFT_MS = 12; // one that takes less can be drawn twice as fine, which smooths its edges
-const COARSE_FACES = 120_000;
+const COARSE_FACES = 60_000; // two pixels each of a drawing while moving
+const COARSE_POINTS = 120_000;
 const FRAME_FACES = 20_000; // that a segment is framed by
 const MOST_SMOOTH = 40e6; // pixels that are drawn twice as fine along each side
 const DRAFT = 0.5; // pixels of a drawing while moving, along each side of one on the screen
@@ -689,7 +690,7 @@ export class Viewer {
     const { needs, area } = this;
     this.needs = 0;
     const nFaces = this.mesh.faces.length / 3;
-    const isSlow = this.cost === null ? nFaces > 3 * COARSE_FACES : this.cost > SMOOTH_MS;
+    const isSlow = this.cost === null ? nFaces > 6 * COARSE_FACES : this.cost > SMOOTH_MS;
     const isDraft = this.isMoving && isSlow;
     const began = performance.now();
     if (needs === FACES) {
@@ -731,7 +732,8 @@ export class Viewer {
   #prepareCoarse() {
     if (!this.mesh || this.work || this.mesh.faces.length / 3 < 2 * COARSE_FACES) return;
     if (this.mesh.areas) {
-      if (!this.renderer.coarse) this.renderer.setCoarsePoints(thinned(this.mesh.areas.length, COARSE_FACES));
+      if (!this.renderer.coarse)
+        this.renderer.setCoarsePoints(thinned(this.mesh.areas.length, COARSE_POINTS));
       return;
     }
     const work = coarse(this.mesh.vertices, this.mesh.faces, COARSE_FACES);
