@@ -1,17 +1,21 @@
 """How much worse a cloud of points is segmented than the annotated scan that it was sampled from.
 
     python tests/benchmarks/clouds.py [--scans kitchen_25mm bedroom] [--draws 5] [--points 250000]
+    python tests/benchmarks/clouds.py --speed 3 --scans bedroom --points 1000000
 
 For each scan of `../shared/data` (said so where it is missing): 1 − RI of the mesh by its faces; of clouds
 drawn evenly over its surface, with normals of the scan or without any, labels carried from the nearest point
-to each face. Unannotated faces are left out, and crumbs go to what is nearest, as in `real.py`.
+to each face. Unannotated faces are left out, and crumbs go to what is nearest, as in `real.py`. With
+``--speed``, instead, seconds to read and segment files of the scan and of its clouds, in turns.
 """
 
 from __future__ import annotations
 
 import argparse
+import tempfile
 import time
 import warnings
+from pathlib import Path
 
 import numpy as np
 from real import REAL, SCANS, errors, read
@@ -40,6 +44,29 @@ def scan(name: str) -> tuple[sw.Mesh, IntArray]:
     return read(name)
 
 
+def time_in_turns(name: str, n: int, turns: int) -> None:
+    """Print seconds of the mesh, of a cloud with normals and of one without, read and segmented."""
+    mesh, _ = scan(name)
+    points, face = sampled(mesh, n, 0, 0.0)
+    kinds = {
+        "mesh": mesh,
+        "normals": sw.PointCloud(points, mesh.face_normals[face]),
+        "bare": sw.PointCloud(points),
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        paths = {kind: sw.save_mesh(one, Path(folder) / f"{kind}.ply")[0] for kind, one in kinds.items()}
+        for turn in range(turns + 1):  # the first compiles
+            for kind, path in paths.items():
+                start, began = time.perf_counter(), time.process_time()
+                sw.segment(sw.load(path))
+                wall, spent = time.perf_counter() - start, time.process_time() - began
+                if kind == "mesh":
+                    first = wall, spent
+                ratios = f"{wall / first[0]:.2f} and {spent / first[1]:.2f} times the mesh"
+                if turn:
+                    print(f"{name:14} {kind:8} {wall:6.2f} s, {spent:6.2f} s of CPU: {ratios}", flush=True)
+
+
 def main() -> None:
     """Print a row a scan."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
@@ -48,11 +75,16 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=250_000)
     parser.add_argument("--noise", type=float, default=0.0, help="metres")
     parser.add_argument("--without-normals", action="store_true")
+    parser.add_argument("--speed", type=int, default=0, help="time so many turns instead")
     options = parser.parse_args()
     if not REAL.exists():
         print(f"{REAL} is not there: nothing to measure")
         return
     warnings.simplefilter("ignore")
+    if options.speed:
+        for name in options.scans:
+            time_in_turns(name, options.points, options.speed)
+        return
     print(f"{'scan':14} {'mesh':>7}  {'median of the clouds':>20}  {'above':>7}   all draws, seconds of CPU")
     for name in options.scans:
         mesh, truth = scan(name)

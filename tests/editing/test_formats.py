@@ -463,3 +463,12 @@ def test_a_segments_file_elsewhere_is_not_read(tmp_path):
         aggregation.write_text(json.dumps(data | {"segmentsFile": named}))
         with pytest.raises((FormatError, OSError), match=r"needs its file of segments beside it|too long"):
             sw.import_labels(mesh, aggregation)
+
+
+def test_a_cloud_that_is_written_keeps_its_digits_normals_and_colours(tmp_path):
+    points = np.add(np.random.default_rng(0).random((40, 3)), (4e5, 5e6, 100))
+    cloud = sw.PointCloud(points, np.tile([0.0, 0, 1], (40, 1)), np.full((40, 3), 7, np.uint8))
+    read = sw.load(sw.save_mesh(cloud, tmp_path / "a.ply")[0])
+    np.testing.assert_array_equal(read.points, points)
+    np.testing.assert_array_equal(read.given_normals, cloud.given_normals)
+    np.testing.assert_array_equal(read.vertex_colors, cloud.vertex_colors)

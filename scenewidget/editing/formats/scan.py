@@ -79,11 +79,25 @@ def scan_bytes(mesh: Mesh, kind: str) -> bytes:
     """
     import trimesh
 
+    if mesh.is_cloud:
+        return _cloud_bytes(mesh)
     makers: Any = trimesh
     colors: Any = None if mesh.vertex_colors is None else np.asarray(mesh.vertex_colors)
-    if mesh.is_cloud:
-        shape: Any = makers.PointCloud(mesh.vertices, colors=colors)
-    else:
-        shape = makers.Trimesh(mesh.vertices, mesh.faces, vertex_colors=colors, process=False, validate=False)
+    shape = makers.Trimesh(mesh.vertices, mesh.faces, vertex_colors=colors, process=False, validate=False)
     content = shape.export(file_type=kind)
     return content.encode() if isinstance(content, str) else bytes(content)
+
+
+def _cloud_bytes(cloud: Any) -> bytes:
+    """A binary PLY of points, with the normals that were given and the colours."""
+    columns = [("double", "<f8", ("x", "y", "z"), cloud.points)]
+    if cloud.given_normals is not None:
+        columns.append(("float", "<f4", ("nx", "ny", "nz"), cloud.given_normals))
+    if cloud.vertex_colors is not None:
+        columns.append(("uchar", "u1", ("red", "green", "blue"), cloud.vertex_colors))
+    rows = np.empty(cloud.n_faces, dtype=[(names[0], dtype, 3) for _, dtype, names, _ in columns])
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {cloud.n_faces}\n"
+    for kind, _, names, values in columns:
+        rows[names[0]] = values
+        head += "".join(f"property {kind} {name}\n" for name in names)
+    return (head + "end_header\n").encode() + rows.tobytes()
