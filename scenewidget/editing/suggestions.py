@@ -369,8 +369,7 @@ class _Look:
             gain = sum(f.gain for f in parts)
             p = gain / sum(f.gain / f.p for f in parts)  # the share of it that is right
             also = tuple(f.home for f in parts[1:])
-            least = min(f.p for f in parts)
-            why = f"{len(parts)} parts, at least {least:.0%} each; the largest: {parts[0].why}"
+            why = f"the largest: {parts[0].why}"
             out = [f for f in out if f not in parts]
             out.append(_Found(gain, p, key, parts[0].home, onto, NOTHING, "", np.empty(0), why, also))
         return sorted(out, key=lambda f: -f.gain)

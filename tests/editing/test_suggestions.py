@@ -221,6 +221,7 @@ def test_what_is_to_join_one_segment_comes_in_one_look_and_once_rejected_one_by_
     (both,) = session.suggestions()
     assert sorted(face // FACES for face in both.faces) == [0, 7]
     assert both.title == f"Merge 2 parts with their likely rest ({both.p:.0%})"
+    assert both.why.startswith("the largest: border 2.0 m")
     session.do(both.edit)
     assert session.n_segments == 1
     session.undo()
