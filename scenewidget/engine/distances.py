@@ -516,15 +516,22 @@ def _solve_strip(  # type: ignore[no-untyped-def]
     for j in range(n - 1, -1, -1):
         here = paths[j]
         e, end = indptr[j], indptr[j + 1]
-        while e + 1 < end:  # by twos, which reads and writes less
-            there, beyond, w, u = paths[indices[e]], paths[indices[e + 1]], values[e], values[e + 1]
+        while e + 3 < end:  # by fours, which reads and writes less
+            a, b, c, d = (
+                paths[indices[e]],
+                paths[indices[e + 1]],
+                paths[indices[e + 2]],
+                paths[indices[e + 3]],
+            )
+            u, v, w, x = values[e], values[e + 1], values[e + 2], values[e + 3]
             for i in range(STRIP):
-                here[i] = min(here[i], min(there[i] + w, beyond[i] + u))
-            e += 2
-        if e < end:
+                here[i] = min(here[i], min(min(a[i] + u, b[i] + v), min(c[i] + w, d[i] + x)))
+            e += 4
+        while e < end:
             there, w = paths[indices[e]], values[e]
             for i in range(STRIP):
                 here[i] = min(here[i], there[i] + w)
+            e += 1
     for first in range(0, n, LINE):  # blocks whose paths stay in the cache
         last = min(first + LINE, n)
         for i in range(len(places)):
