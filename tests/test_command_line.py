@@ -128,6 +128,18 @@ def test_a_real_ctrl_c_in_the_middle_of_a_scan(scans, tmp_path):
     assert left == [name for name in ("a.npz", "picture.jpg", "row.json") for _ in "ab"]
 
 
+def test_sigterm_is_as_good_as_ctrl_c(capsys, scans, tmp_path, monkeypatch):
+    def end(*_, **__):
+        signal.raise_signal(signal.SIGTERM)
+
+    monkeypatch.setattr("scenewidget.batch.job.segment", end)
+    before = signal.getsignal(signal.SIGTERM)
+    assert main(["segment", str(scans), "--out", str(tmp_path / "out")]) == 143
+    assert "the same command goes on from there" in capsys.readouterr().err
+    assert signal.getsignal(signal.SIGTERM) is before
+    assert not list(tmp_path.glob("out/**/*.lock"))
+
+
 def test_a_project_that_was_corrected_stays(capsys, scans, tmp_path):
     scan, project = scans / "kitchen" / "a.off", tmp_path / "out" / "a.off" / "a.swproj"
     assert statuses(capsys, scan, tmp_path / "out", "--format", "swproj") == (0, {"a.off": "done"})

@@ -105,7 +105,11 @@ class _InStore:
         self._n_beats = 0
         self._over = threading.Event()
         self.is_lost = False
-        self._write()
+        try:
+            self._write()
+        except Exception as error:  # every store has kinds of its own
+            why = str(error) or type(error).__name__
+            raise OSError(f"can't write {out!r}: {why}; choose another place") from error
         self._thread = threading.Thread(target=self._beat, name="scenewidget-claim", daemon=True)
         self._thread.start()
         try:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from scenewidget.batch.places import is_hidden, scans_in
+from scenewidget.batch.places import files_below, is_hidden, scans_in
 from scenewidget.batch.rows import ROW, read_row, units_of
 from scenewidget.editing.formats import import_labels
 from scenewidget.editing.project_reader import is_project
@@ -67,14 +67,16 @@ def labeled(path: Path) -> dict[str, Labeled]:
     if not path.is_dir():
         raise ValueError(f"{str(path)!r} does not exist; give a folder of labels, or one file")
     found: dict[str, Labeled] = {}
-    rows = {row.parent: content for row in sorted(path.rglob(ROW)) if (content := read_row(row)) is not None}
+    files_there = sorted(files_below(path))
+    of_runs = [file for file in files_there if file.name == ROW]
+    rows = {row.parent: content for row in of_runs if (content := read_row(row)) is not None}
     for folder, row in rows.items():
         files = [folder / name for name in row.get("files", {})]
         files.append(folder / project_name(row["scan"]))  # which a `Workbench` may have made since
         best = min((f for f in files if _rank(f) < len(LABELS) and f.exists()), key=_rank, default=None)
         if best is not None:
             _file_under(found, row, best)
-    for file in sorted((p for p in path.rglob("*") if _rank(p) < len(LABELS) and p.is_file()), key=_rank):
+    for file in sorted((p for p in files_there if _rank(p) < len(LABELS) and p.is_file()), key=_rank):
         inside = file.relative_to(path)
         if not any(parent in rows for parent in file.parents) and not is_hidden(inside):
             name = inside.as_posix()[: -len(LABELS[_rank(file)])]
@@ -122,7 +124,7 @@ def some(names: Iterable[str]) -> str:
 def own_copies(path: Path) -> dict[str, dict[str, Labeled]]:
     """Who has corrected copies of their own in a folder of results: person -> name of the scan -> file."""
     found: dict[str, dict[str, Labeled]] = {}
-    for file in sorted(path.rglob(ROW)):
+    for file in sorted(file for file in files_below(path) if file.name == ROW):
         row = read_row(file)
         if row is None:
             continue

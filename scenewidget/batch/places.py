@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import itertools
 import json
 import os
 import re
@@ -25,6 +26,7 @@ __all__ = [
     "LocalFolder",
     "RemoteFolder",
     "Scan",
+    "files_below",
     "folder_at",
     "is_hidden",
     "is_url",
@@ -149,7 +151,7 @@ def _local(paths: Sequence[Path]) -> dict[str, Scan]:
     found: set[Path] = set()
     for path in paths:
         if path.is_dir():
-            files = (file for file in _files_below(path) if file.suffix.lower() in SCANS)
+            files = (file for file in files_below(path) if file.suffix.lower() in SCANS)
             found |= {file.absolute() for file in files if not is_hidden(file.relative_to(path))}
         elif path.exists():
             found.add(path.absolute())
@@ -195,8 +197,23 @@ def _size(path: Path) -> int:
         return 0
 
 
-def _files_below(folder: Path) -> Iterator[Path]:
+def files_below(folder: Path) -> Iterator[Path]:
+    """All files in a folder and those below, links to folders followed once.
+
+    Raises
+    ------
+    PermissionError
+        A folder that can't be read.
+
+    Examples
+    --------
+    >>> list(files_below(Path("no/such/folder")))
+    []
+    """
+
     def refuse(error: OSError) -> None:
+        if isinstance(error, FileNotFoundError):  # gone since it was listed
+            return
         raise PermissionError(
             error.errno,
             f"{error.filename!r} can't be read: {error.strerror}; change that, or give the folders beside it",
@@ -221,20 +238,40 @@ def _common_folder(paths: Sequence[Path]) -> Path:
 
 def _remote(url: str) -> dict[str, Scan]:
     fs, root = _store(url)
+    is_pattern = any(sign in root for sign in "*?[")
     try:
-        is_pattern = any(sign in root for sign in "*?[")
-        listing = fs.glob(root, detail=True) if is_pattern else fs.find(root, detail=True)
+        listing = fs.glob(root, detail=True) if is_pattern else _found(fs, root)
     except Exception as error:  # every store has kinds of its own
-        raise ValueError(f"{url!r} can't be listed: {error}") from error
+        why = str(error) or type(error).__name__
+        raise ValueError(f"{url!r} can't be listed: {why}") from error
     files = {p: d for p, d in listing.items() if d.get("type") == "file"}
     if is_pattern or list(files) == [root]:
-        root = os.path.commonpath([str(PurePosixPath(path).parent) for path in files]) if files else ""
+        folders = [path.split("/")[:-1] for path in files]  # by hand: URLs have empty parts
+        same = itertools.takewhile(lambda parts: len(set(parts)) == 1, zip(*folders, strict=False))
+        root = "/".join(parts[0] for parts in same)
     found = {}
     for path, details in files.items():
         name = PurePosixPath(path.removeprefix(root).lstrip("/"))
         if name.suffix.lower() in SCANS and not is_hidden(name):
             found[str(name)] = Scan(fs.unstrip_protocol(path), int(details.get("size") or 0))
     return found
+
+
+def _found(fs: Any, root: str) -> dict[str, Any]:
+    """Files of a store at or below a path; what is called like a scan counts, also if it isn't there.
+
+    Then its row says so. It is asked for itself first: a web server would send all of a scan to be searched
+    for links.
+    """
+    if PurePosixPath(root).suffix.lower() in SCANS:
+        try:
+            details = fs.info(root)
+        except FileNotFoundError:
+            return {root: {"type": "file"}}
+        if details.get("type") == "file":
+            return {root: details}
+    listing: dict[str, Any] = fs.find(root, detail=True)
+    return listing
 
 
 def _store(url: str) -> tuple[Any, str]:
@@ -269,7 +306,10 @@ def local_copy(path: str) -> Iterator[Path]:
     folder = PurePosixPath(remote).parent
     with tempfile.TemporaryDirectory(prefix="scenewidget-") as temporary:
         copy = Path(temporary) / PurePosixPath(remote).name
-        fs.get_file(remote, str(copy))
+        try:
+            fs.get_file(remote, str(copy))
+        except FileNotFoundError as error:
+            raise FileNotFoundError(errno.ENOENT, "nothing there", path) from error
         waiting = referred(copy)
         while waiting:
             name = waiting.pop()

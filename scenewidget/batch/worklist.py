@@ -18,6 +18,7 @@ import pandas as pd
 
 from scenewidget.batch.folders import LABELS, hands, project_name, read_labels
 from scenewidget.batch.picture import PICTURE
+from scenewidget.batch.places import files_below
 from scenewidget.batch.rows import FAILED, ROW, parse_row, units_of
 from scenewidget.editing.files import FileLock, explain, replacing
 from scenewidget.editing.session import Session
@@ -125,7 +126,7 @@ class Worklist:
 
     def refresh(self) -> None:
         """Read again what others may have done since."""
-        folders = {path.parent for name in (ROW, FAILED) for path in self.out.rglob(name)}
+        folders = {path.parent for path in files_below(self.out) if path.name in (ROW, FAILED)}
         entries = [entry for folder in sorted(folders) if (entry := self._read(folder)) is not None]
         self.entries = {entry.scan: entry for entry in entries}
 

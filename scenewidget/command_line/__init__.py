@@ -27,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     -------
     code : int
         0 if all went well, 1 if the command could not do its work, 2 for words that it does not know, 130
-        if it was stopped by Ctrl-C, 141 if who reads what it prints has gone.
+        if it was stopped by Ctrl-C (143 by SIGTERM, for `segment`), 141 if who reads what it prints has gone.
 
     Examples
     --------

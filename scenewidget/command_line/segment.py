@@ -17,15 +17,19 @@ pip install "scenewidget[batch]".
 
 The table has a row a scan: status is done, reused, failed, killed (its process died, also when nothing else
 ran) or too large, with the error. Exit code: 0 if all scans are done or reused, 1 if one is not or nothing
-could be begun, 2 for words that aren't known, 130 after Ctrl-C.
+could be begun, 2 for words that aren't known, 130 after Ctrl-C,
+143 after SIGTERM.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import contextlib
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -108,13 +112,15 @@ def run(options: argparse.Namespace) -> int:
         line = f"[{len(run.rows)}/{len(run.scans)}] {spoken_row(row)}"
         tell(options, f"{line}  ({left})" if left else line)
 
+    stopped: list[int] = []
     try:
-        found.work(hear, tell=(lambda line: tell(options, line)) if options.verbose else None)
+        with _stopped_by_sigterm(stopped):
+            found.work(hear, tell=(lambda line: tell(options, line)) if options.verbose else None)
     except KeyboardInterrupt:
         show(_rows(found), options)
         n = len(found.scans)
         tell(options, f"stopped after {len(found.rows)} of {n} scans; the same command goes on from there")
-        return 130
+        return 128 + (stopped or [signal.SIGINT])[0]
     except ConnectionError as error:
         if not found.rows:
             raise
@@ -122,8 +128,28 @@ def run(options: argparse.Namespace) -> int:
         say(f"scenewidget segment: {error}", sys.stderr)
         return 1
     show(_rows(found), options)
-    tell(options, f"\n{found.summary}; in {options.out}{'' if is_url(options.out) else NEXT}")
-    return 0 if all(row["status"] in ("done", "reused") for row in found.rows.values()) else 1
+    are_done = [row["status"] in ("done", "reused") for row in found.rows.values()]
+    following = NEXT if any(are_done) and not is_url(options.out) else ""
+    tell(options, f"\n{found.summary}; in {options.out}{following}")
+    return 0 if all(are_done) else 1
+
+
+@contextlib.contextmanager
+def _stopped_by_sigterm(stopped: list[int]) -> Iterator[None]:
+    """SIGTERM, as queues of clusters send it, ends what runs as Ctrl-C does, and is noted in the list."""
+
+    def stop(number: int, _: Any) -> None:
+        stopped.append(number)
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():  # which alone hears signals
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _rows(run: Run) -> list[dict[str, Any]]:

@@ -68,6 +68,8 @@ def show(rows: Sequence[Mapping[str, Any]], options: argparse.Namespace, *, mean
         plain = [{key: _plain(value) for key, value in row.items()} for row in rows]
         say(json.dumps(plain, indent=1, ensure_ascii=False, allow_nan=False))
         return
+    if not rows:
+        return
     import pandas as pd
 
     table = pd.DataFrame([{k: v for k, v in row.items() if k != "error"} for row in rows])

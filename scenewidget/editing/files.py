@@ -275,9 +275,10 @@ class FileLock:
             except FileNotFoundError:
                 is_current = False
             if is_current or ON_WINDOWS:
-                os.ftruncate(descriptor, 0)
-                os.lseek(descriptor, 0, os.SEEK_SET)
-                os.write(descriptor, json.dumps(this_process()).encode())
+                with contextlib.suppress(OSError):  # who has it is only told; the disk may be full
+                    os.ftruncate(descriptor, 0)
+                    os.lseek(descriptor, 0, os.SEEK_SET)
+                    os.write(descriptor, json.dumps(this_process()).encode())
                 self._descriptor = descriptor
                 return ""
             os.close(descriptor)  # its owner has just removed it: take the next one

@@ -180,6 +180,18 @@ def test_the_unit_of_a_scan_is_known_to_who_opens_it_later(tmp_path):
     assert mesh_of("a", tmp_path, labeled(tmp_path / "out").values()).bounds[1].max() == 2
 
 
+def test_urls_of_single_files_and_patterns_need_no_listing(tmp_path):
+    store = pytest.importorskip("fsspec").filesystem("memory")
+    sw.save_mesh(shapes.sheet(4, 4, width=2.0, depth=2.0), tmp_path / "a.off")
+    for room in ("bath", "kitchen"):
+        store.pipe_file(f"/single/{room}/a.off", (tmp_path / "a.off").read_bytes())
+    urls = ["memory://single/bath/a.off", "memory://single/bath/gone.off"]
+    rows = run(urls, tmp_path / "out").rows
+    assert rows["a.off"]["status"] == "done"
+    assert rows["gone.off"]["error"].startswith("nothing there: 'memory://")
+    assert planned("memory://single/*/a.off", tmp_path / "out").scans == ("bath/a.off", "kitchen/a.off")
+
+
 def test_too_little_memory_says_how_much_it_takes(scans, tmp_path, monkeypatch):
     def full(*_, **__):
         raise MemoryError

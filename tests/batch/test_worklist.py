@@ -108,6 +108,27 @@ def test_a_scene_that_comes_along_moves_few_others():
     assert len(before ^ after) <= 2
 
 
+def test_a_folder_that_cannot_be_read_is_named(out, monkeypatch):
+    def walk(folder, onerror, followlinks):
+        onerror(FileNotFoundError(2, "gone meanwhile", f"{folder}/a.ply"))
+        onerror(PermissionError(13, "Permission denied", f"{folder}/b.ply"))
+
+    monkeypatch.setattr("os.walk", walk)
+    with pytest.raises(PermissionError, match=r"b.ply' can't be read: Permission denied"):
+        Worklist(out, "ann")
+
+
+def test_a_scan_can_be_locked_on_a_full_disk(out, monkeypatch):
+    def write(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.write", write)
+    work = Worklist(out, "ann")
+    lock, _ = work.lock(work.order()[0])
+    lock.release()
+    assert not list(out.rglob("*.lock"))
+
+
 def test_a_long_break_is_no_work(monkeypatch):
     clock = [0.0]
     monkeypatch.setattr("time.monotonic", lambda: clock[0])
