@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -482,9 +483,14 @@ def _lanczos_pairs(
     # From some orders of the vertices (a subdivided sphere's) minimum degree takes a hundred times as long.
     order = reverse_cuthill_mckee(shifted, symmetric_mode=True)
     shifted = sparse.csc_array(shifted[order][:, order])
-    factor = monitor.call(
-        splu, shifted, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0
+    factorize = partial(
+        splu, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0
     )
+    try:
+        factor = monitor.call(factorize, shifted)
+    except RuntimeError:  # rounding made a pivot exactly 0
+        largest = float(np.abs(shifted.diagonal()).max())
+        factor = monitor.call(factorize, shifted + 1e-12 * largest * sparse.eye_array(n, format="csc"))
     n_basis = min(n, 2 * k + 10)
     n_products = 0
 
