@@ -50,13 +50,13 @@ def export_dataset(
     states : collection of str
         Which scans: "new", "begun", "review", "done".
     validation : float
-        Share of the scenes for validation, 0 to 1.
+        Share of the scenes for validation, 0 to 1; unless it is one of these, each part has a scene at least.
     seed : int
         Of the split.
     scans : Path, optional
         Where the scans are, if not where they were.
     agreed : bool
-        Whether each scene has what those agree on who have corrected a copy of their own.
+        Whether each scene has what those agree on whose own copies are in one of these states.
     overwrite : bool
         As of `export`.
 
@@ -64,7 +64,7 @@ def export_dataset(
     -------
     table : pandas.DataFrame
         A row a scene, as in ``scenes.csv``: scan, scene, split, faces, segments, named, coverage, area (m²),
-        seconds of work, people with a copy of their own.
+        seconds of work, people whose work is in it.
 
     Raises
     ------
@@ -85,11 +85,16 @@ def export_dataset(
         raise ValueError(f"states may hold {', '.join(map(repr, STATES))}, got {unknown[0]!r}")
     if not isinstance(validation, Real) or not 0 <= validation <= 1:
         raise ValueError(f"validation must lie in [0, 1], got {validation!r}")
-    chosen = [e for e in worklist.entries.values() if e.state in states and not e.has_failed]
+    known = [entry for entry in worklist.entries.values() if not entry.has_failed]
+    copies = {entry.scan: worklist.hands(entry, states) for entry in known}
+    chosen = [e for e in known if e.state in states or (agreed and copies[e.scan])]
     if not chosen:
+        others = sorted({person for by_person in copies.values() for person in by_person})
+        hint = f"{', '.join(others)} have such copies of their own: agreed=True takes those" if others else ""
+        whose = f"of {worklist.person!r} " if worklist.own else ""
         raise ValueError(
-            f"no scan is {' or '.join(states) or 'chosen'} yet; correct some, or give states={STATES} "
-            "for all of them"
+            f"no scan {whose}is {' or '.join(states) or 'chosen'} yet; "
+            + (hint or f"correct some, or give states={STATES} for all of them")
         )
     place = checked_path(target)
     if is_url(target):
@@ -101,7 +106,7 @@ def export_dataset(
     rows, names = [], []
     for entry in chosen:
         mesh = worklist.mesh(entry, scans)
-        labels = worklist.agreed(entry, mesh) if agreed else worklist.labels(entry, mesh)
+        labels = worklist.agreed(entry, mesh, states) if agreed else worklist.labels(entry, mesh)
         scene = scenes[entry.scan]
         folder = place / "scans" / scene
         try:
@@ -110,8 +115,11 @@ def export_dataset(
             raise explain(error, folder) from error
         save_mesh(mesh, folder / f"{scene}_vh_clean_2.ply", overwrite=overwrite)
         export(labels, mesh, folder / f"{scene}.aggregation.json", "scannet", overwrite=overwrite)
+        theirs = copies[entry.scan] if agreed else {}
+        seconds = worklist.seconds_of(entry, theirs) if theirs else sum(entry.seconds.values())
+        people = len(theirs or entry.seconds)
         counted = _counted(entry, scene, labels, scene in held_out)
-        rows.append(counted | {"people": len(worklist.hands(entry))})
+        rows.append(counted | {"seconds": round(seconds, 1), "people": people})
         areas = np.bincount(labels.labels[labels.labels >= 0], mesh.face_areas[labels.labels >= 0])
         names += [(as_text(name or "unannotated"), float(area)) for name, area in zip(labels.names, areas)]
     table = pd.DataFrame(rows)
@@ -129,7 +137,8 @@ def export_dataset(
 
 
 def split(scenes: Iterable[str], validation: float, seed: int) -> tuple[list[str], list[str]]:
-    """Scenes for training and for validation; one that comes along later moves hardly any other.
+    """Scenes for training and for validation, one of each at least; one that comes along later moves hardly
+    any other.
 
     Parameters
     ----------
@@ -146,7 +155,10 @@ def split(scenes: Iterable[str], validation: float, seed: int) -> tuple[list[str
     """
     names = sorted(scenes)
     lots = {name: hashlib.blake2b(f"{seed}:{name}".encode()).digest() for name in names}
-    drawn = set(sorted(names, key=lambda name: lots[name])[: round(validation * len(names))])
+    n_drawn = round(validation * len(names))
+    if 0 < validation < 1 and len(names) > 1:
+        n_drawn = min(max(n_drawn, 1), len(names) - 1)
+    drawn = set(sorted(names, key=lambda name: lots[name])[:n_drawn])
     return [name for name in names if name not in drawn], [name for name in names if name in drawn]
 
 
@@ -160,7 +172,6 @@ def _counted(entry: Entry, scene: str, labels: Segmentation, is_held_out: bool) 
         "named": sum(1 for name in labels.names if name),
         "coverage": round(labels.coverage, 4),
         "area": round(float(labels.mesh.face_areas.sum()), 3),
-        "seconds": round(sum(entry.seconds.values()), 1),
     }
 
 

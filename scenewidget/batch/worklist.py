@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 import time
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -321,25 +321,44 @@ class Worklist:
         path = self.project(entry)
         return read_labels(path, mesh) if path.exists() else self._automatic(entry, mesh)
 
-    def hands(self, entry: Entry) -> dict[str, Path]:
+    def hands(self, entry: Entry, states: Collection[str] = STATES) -> dict[str, Path]:
         """Project files of a scan, by person, of those who have a copy of their own.
 
         Parameters
         ----------
         entry : Entry
+        states : collection of str
+            Only copies that their owners left in one of these.
         """
-        return hands(entry.folder, entry.scan)
+        files = hands(entry.folder, entry.scan)
+        return {person: path for person, path in files.items() if self._work_of(entry, person)[0] in states}
 
-    def agreed(self, entry: Entry, mesh: Mesh) -> Segmentation:
-        """What those agree on who have a copy of their own; as it is where nobody has.
+    def agreed(self, entry: Entry, mesh: Mesh, states: Collection[str]) -> Segmentation:
+        """What those agree on whose copies are in one of these states; as it is where nobody's is.
 
         Parameters
         ----------
         entry : Entry
         mesh : Mesh
+        states : collection of str
         """
-        theirs = {person: read_labels(path, mesh) for person, path in self.hands(entry).items()}
+        theirs = {person: read_labels(path, mesh) for person, path in self.hands(entry, states).items()}
         return consensus(theirs, mesh) if theirs else self.labels(entry, mesh)
+
+    def seconds_of(self, entry: Entry, people: Iterable[str]) -> float:
+        """How long some worked on copies of their own.
+
+        Parameters
+        ----------
+        entry : Entry
+        people : iterable of str
+        """
+        return sum(sum(self._work_of(entry, person)[1].values()) for person in people)
+
+    def _work_of(self, entry: Entry, person: str) -> tuple[str, dict[str, float]]:
+        """State and seconds of somebody's own copy."""
+        work = _json(entry.folder / f"work.{_plain(person)}.json", is_row=False) or {}
+        return work.get("state", "new"), _numbers(work.get("seconds"))
 
     def order(self) -> list[str]:
         """Scans that can be corrected, the most doubtful first."""

@@ -6,6 +6,7 @@ import operator
 import sys
 import warnings
 from collections.abc import Iterable
+from difflib import get_close_matches  # here, for it is needed where the interpreter shuts down
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -131,9 +132,7 @@ def did_you_mean(name: str, names: Iterable[str], *, alike: float = 0.6) -> str:
     >>> did_you_mean("n_segment", ["n_items", "n_segments"]), did_you_mean("colour", ["n_segments"])
     ("did you mean 'n_segments'?", '')
     """
-    import difflib
-
-    close = difflib.get_close_matches(name, list(names), n=1, cutoff=alike)
+    close = get_close_matches(name, list(names), n=1, cutoff=alike)
     return f"did you mean {close[0]!r}?" if close else ""
 
 

@@ -318,21 +318,24 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
     def agreement(self) -> pd.DataFrame:
         """How far people agree who correct copies of their own: `agreement`, a row a scan and pair.
 
+        Only copies count that their owners have called done.
+
         Raises
         ------
         ValueError
-            No scan has been corrected by two.
+            No scan is done by two.
         """
         import pandas as pd
 
         tables = {}
         for scan, entry in self._work.entries.items():
-            copies = self._copies(entry)
+            copies = {} if entry.has_failed else self._work.hands(entry, ["done"])
             if len(copies) > 1:
                 tables[scan] = agreement(self._read(entry, copies))
         if not tables:
             raise ValueError(
-                "no scan has been corrected by two people; give each Workbench(…, person=…, own=True)"
+                "no scan has been corrected by two people who called it done; give each "
+                "Workbench(…, person=…, own=True)"
             )
         return pd.concat(tables, names=["scan"])
 
@@ -392,8 +395,8 @@ class Workbench(KnownNames, Arranged, widgets.VBox):
         seed : int
             Of the split.
         agreed : bool
-            With ``own=True``: whether each scene has the `consensus` of all who have a copy of it, rather
-            than the labels of who works here.
+            With ``own=True``: whether each scene has the `consensus` of all whose copies are in one of the
+            ``states``, rather than the labels of who works here.
         overwrite : bool
             As of `sw.export`.
 

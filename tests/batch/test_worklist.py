@@ -106,6 +106,8 @@ def test_a_scene_that_comes_along_moves_few_others():
     before, after = set(split(names, 0.2, 0)[1]), set(split([*names, "new"], 0.2, 0)[1])
     assert len(before) == 40
     assert len(before ^ after) <= 2
+    assert [len(part) for part in split(["a", "b"], 0.2, 0)] == [1, 1]  # neither is empty
+    assert [len(part) for part in split(["a", "b"], 0.0, 0)] == [2, 0]
 
 
 def test_a_folder_that_cannot_be_read_is_named(out, monkeypatch):

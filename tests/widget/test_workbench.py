@@ -99,7 +99,7 @@ def test_pictures_come_when_they_are_asked_for(out, monkeypatch):
 
 
 def test_two_people_on_copies_of_their_own_can_be_compared_and_measured(out, tmp_path):
-    with pytest.raises(ValueError, match="no scan has been corrected by two"):
+    with pytest.raises(ValueError, match="no scan has been corrected by two people who called it done"):
         sw.Workbench(out, "ann", own=True).agreement()
     for person in ("ann", "bob"):
         bench = sw.Workbench(out, person, own=True, gold=tmp_path / "truth")
@@ -121,6 +121,15 @@ def test_two_people_on_copies_of_their_own_can_be_compared_and_measured(out, tmp
     dataset = bench.export(tmp_path / "set", agreed=True, validation=0)
     assert dataset[["scan", "segments", "people"]].values.tolist() == [["b.ply", agreed.n_segments, 2]]
     assert bench.export(tmp_path / "own", validation=0).segments.tolist() == [1]  # Bob's
+    cyd = sw.Workbench(out, "cyd", own=True)
+    assert cyd.export(tmp_path / "cyd", agreed=True, validation=0).people.tolist() == [2]
+    with pytest.raises(ValueError, match=r"no scan of 'cyd' is done yet; ann, bob have .*agreed=True takes"):
+        cyd.export(tmp_path / "none")
+    bench.edit("b.ply")
+    bench.review()
+    assert bench.export(tmp_path / "ann", agreed=True, validation=0).people.tolist() == [1]
+    with pytest.raises(ValueError, match="by two people who called it done"):
+        bench.agreement()
 
 
 def test_what_is_damaged_holds_nobody_up(out):
