@@ -7,6 +7,7 @@ people may work on one folder.
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import getpass
 import math
@@ -653,3 +654,11 @@ def _account() -> str:
         return getpass.getuser()
     except (OSError, KeyError, ImportError):  # no account has this number
         return "somebody"
+
+
+@atexit.register
+def _leave_all() -> None:
+    """Leave, saved, what is open when a program ends, while all that saving needs is still there."""
+    for bench in list(_at_work.values()):
+        with bench._lock:
+            bench._leave()
