@@ -44,6 +44,13 @@ def test_properties_are_known_whatever_their_case(tmp_path, mesh, name):
     assert sw.import_labels(mesh, path).n_segments == 2
 
 
+def test_corners_that_are_no_list_are_not_compared(tmp_path, mesh):
+    path, faces = tmp_path / "a.ply", mesh.n_faces
+    head = f"ply\nformat ascii 1.0\nelement face {faces}\nproperty int vertex_indices\nproperty int label\n"
+    path.write_text(head + "end_header\n" + "5 7\n" * faces)
+    assert sw.import_labels(mesh, path).n_segments == 1
+
+
 def test_any_property_can_be_named(tmp_path, mesh):
     path = tmp_path / "a.ply"
     path.write_text(ply_with(mesh, "My_Ids", cut(mesh)))

@@ -142,7 +142,8 @@ def read(path: Path, mesh: Mesh, *, property: str | None = None) -> Labels:  # n
 
 def _are_faces(corners: Any, mesh: Mesh) -> bool:
     """Whether lists of corners are those of the mesh, whichever way they run; polygons aren't compared."""
-    if corners is None or mesh.faces_of_file is not None or not (corners.counts == 3).all():
+    counts = getattr(corners, "counts", None)  # of a list; a damaged file may have a single number
+    if counts is None or mesh.faces_of_file is not None or not (counts == 3).all():
         return True
     rows = np.sort(corners.values.reshape(-1, 3), axis=1)
     return np.array_equal(rows, np.sort(mesh.faces, axis=1))
