@@ -35,6 +35,7 @@ class Arranged(widgets.DOMWidget):
     """
 
     height: Any
+    _is_arranged = False  # until ipywidgets has put it together
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
@@ -45,7 +46,7 @@ class Arranged(widgets.DOMWidget):
         """As of any object, but for its parts."""
         kind = type(self)
         is_ours = kind.__module__.split(".")[0] == "scenewidget"
-        if name == "children" and is_ours and "_is_arranged" in vars(self):
+        if name == "children" and is_ours and self._is_arranged:
             raise AttributeError(
                 f"children of a {kind.__name__} stay what they are; a box of yours holds it and more: "
                 "VBox([w, ...])"
@@ -54,7 +55,7 @@ class Arranged(widgets.DOMWidget):
 
     @traitlets.observe("layout")
     def _hear_layout(self, _: Any = None) -> None:
-        if "_is_arranged" in vars(self):
+        if self._is_arranged:
             self.layout.observe(self._take_height, "height")
             self._take_height({"new": self.layout.height})
 
