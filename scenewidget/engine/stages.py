@@ -53,7 +53,7 @@ from scenewidget.engine.items import Items, simplified_items, superfacet_items
 from scenewidget.engine.kmedoids import Ties
 from scenewidget.engine.linkage import average_linkage, cut_tree
 from scenewidget.engine.memo import Recall
-from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, connected_components, face_adjacency
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, face_adjacency
 from scenewidget.engine.monitor import Monitor
 from scenewidget.engine.operators import Eigenbasis, eigenbasis
 from scenewidget.engine.orientation import Orientation, oriented, warn_of_mixed_winding
@@ -264,8 +264,8 @@ def _sides(mesh: Mesh) -> float:
 
 def _with_loose_pieces_told(items: Items) -> Items:
     """Items whose report counts the pieces that touch nothing else; a scan in crumbs is worth a warning."""
-    n_pieces, piece = connected_components(items.n, items.pairs)
-    largest = np.bincount(piece, items.areas).max(initial=0.0) / max(float(items.areas.sum()), 1e-300)
+    areas = np.bincount(items.component, items.areas)
+    n_pieces, largest = len(areas), areas.max(initial=0.0) / max(float(items.areas.sum()), 1e-300)
     if n_pieces >= CRUMBS and largest < 0.5:
         warn_caller(
             f"the scan lies in {n_pieces} loose pieces, each a segment at least, and the largest has "
