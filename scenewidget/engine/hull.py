@@ -247,7 +247,7 @@ def _joined(
     group = np.arange(len(planes.areas))
     is_free = np.ones(len(group), dtype=np.bool_)
     fronts = np.array([_front(items, labels, wall) for wall in walls]).reshape(len(walls), len(group))
-    ends = items.touching(labels).labels
+    ends = items.touching(labels).labels if walls else np.empty((0, 2), dtype=np.int32)
     may_join = planes.is_hull if is_hull_only else is_free.copy()
     for s in np.argsort(-planes.areas, kind="stable"):
         if not (is_free[s] and planes.is_hull[s]):
@@ -259,9 +259,7 @@ def _joined(
         step = float(np.clip(1.5 * planes.roughness[s], *reach))
         fits = is_free & may_join & (facing > PARALLEL)
         beyond = _beyond(fronts, int(s))
-        touches = np.zeros(len(group), dtype=np.bool_)
-        touches[ends[(ends == s).any(axis=1)]] = True
-        fits &= ~_through_walls(items, labels, walls, beyond, int(s), fits & ~touches, near)
+        fits &= ~_through_walls(items, labels, walls, beyond, ends, int(s), fits, near)
         joins = fits & (distance < step)
         joins[s] = True
         beside = fits & (distance < bend) & (planes.roughness < ROUGHNESS * items.scale)
@@ -343,13 +341,18 @@ def _through_walls(
     labels: IntArray,
     walls: list[_Wall],
     beyond: BoolArray,
+    ends: IntArray,
     seed: int,
     segments: BoolArray,
     near: float,
 ) -> BoolArray:
-    """(n_segments,) of some segments those to which the shortest way from the seed leads through a wall."""
+    """(n_segments,) of some segments those to which the shortest way from the seed leads through a wall;
+    none that touches it, as ``ends`` of the seams tell.
+    """
     out = np.zeros(len(segments), dtype=np.bool_)
     segments = segments & beyond.any(axis=0)
+    if segments.any():
+        segments[ends[(ends == seed).any(axis=1)]] = False
     if not segments.any():
         return out
     position, radius = items.moments.centroid, np.sqrt(items.areas / np.pi)
