@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from scenewidget.batch.folders import read_labels
 from scenewidget.batch.places import is_url
 from scenewidget.batch.worklist import STATES, Entry, Worklist
 from scenewidget.editing.files import checked_path, explain
@@ -21,6 +22,7 @@ from scenewidget.editing.formats.scan import save_mesh
 from scenewidget.editing.formats.seal import write_files
 from scenewidget.editing.formats.table import as_text
 from scenewidget.engine.segmentation import Segmentation
+from scenewidget.hands import consensus
 
 __all__ = ["export_dataset", "split"]
 
@@ -86,10 +88,10 @@ def export_dataset(
     if not isinstance(validation, Real) or not 0 <= validation <= 1:
         raise ValueError(f"validation must lie in [0, 1], got {validation!r}")
     known = [entry for entry in worklist.entries.values() if not entry.has_failed]
-    copies = {entry.scan: worklist.hands(entry, states) for entry in known}
-    chosen = [e for e in known if e.state in states or (agreed and copies[e.scan])]
+    copies = {entry.scan: worklist.hands(entry, states) for entry in known} if agreed else {}
+    chosen = [e for e in known if e.state in states or copies.get(e.scan)]
     if not chosen:
-        others = sorted({person for by_person in copies.values() for person in by_person})
+        others = sorted({person for entry in known for person in worklist.hands(entry, states)})
         hint = f"{', '.join(others)} have such copies of their own: agreed=True takes those" if others else ""
         whose = f"of {worklist.person!r} " if worklist.own else ""
         raise ValueError(
@@ -106,7 +108,9 @@ def export_dataset(
     rows, names = [], []
     for entry in chosen:
         mesh = worklist.mesh(entry, scans)
-        labels = worklist.agreed(entry, mesh, states) if agreed else worklist.labels(entry, mesh)
+        theirs = copies.get(entry.scan, {})
+        drawn = {person: read_labels(path, mesh) for person, path in theirs.items()}
+        labels = consensus(drawn, mesh) if drawn else worklist.labels(entry, mesh)
         scene = scenes[entry.scan]
         folder = place / "scans" / scene
         try:
@@ -115,7 +119,6 @@ def export_dataset(
             raise explain(error, folder) from error
         save_mesh(mesh, folder / f"{scene}_vh_clean_2.ply", overwrite=overwrite)
         export(labels, mesh, folder / f"{scene}.aggregation.json", "scannet", overwrite=overwrite)
-        theirs = copies[entry.scan] if agreed else {}
         seconds = worklist.seconds_of(entry, theirs) if theirs else sum(entry.seconds.values())
         people = len(theirs or entry.seconds)
         counted = _counted(entry, scene, labels, scene in held_out)

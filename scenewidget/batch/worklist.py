@@ -26,7 +26,6 @@ from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.readers import load
 from scenewidget.engine.segmentation import Segmentation
-from scenewidget.hands import consensus
 
 __all__ = ["STATES", "Entry", "State", "Stopwatch", "Worklist"]
 
@@ -152,12 +151,11 @@ class Worklist:
         if row is None:
             return None
         work = _json(folder / self._work_name, is_row=False) or {}
-        state = work.get("state")
         return Entry(
             scan=row["scan"],
             folder=folder,
             row=row,
-            state=state if state in STATES else "new",
+            state=_state(work),
             seconds=_numbers(work.get("seconds")),
             edits=edits if isinstance(edits := work.get("edits"), int) else 0,
             errors=_numbers(work.get("errors")),
@@ -165,7 +163,7 @@ class Worklist:
 
     @property
     def _work_name(self) -> str:
-        return f"work.{_plain(self.person)}.json" if self.own else "work.json"
+        return _own_name(self.person) if self.own else "work.json"
 
     def project(self, entry: Entry) -> Path:
         """File in which a scan is corrected.
@@ -333,18 +331,6 @@ class Worklist:
         files = hands(entry.folder, entry.scan)
         return {person: path for person, path in files.items() if self._work_of(entry, person)[0] in states}
 
-    def agreed(self, entry: Entry, mesh: Mesh, states: Collection[str]) -> Segmentation:
-        """What those agree on whose copies are in one of these states; as it is where nobody's is.
-
-        Parameters
-        ----------
-        entry : Entry
-        mesh : Mesh
-        states : collection of str
-        """
-        theirs = {person: read_labels(path, mesh) for person, path in self.hands(entry, states).items()}
-        return consensus(theirs, mesh) if theirs else self.labels(entry, mesh)
-
     def seconds_of(self, entry: Entry, people: Iterable[str]) -> float:
         """How long some worked on copies of their own.
 
@@ -355,10 +341,10 @@ class Worklist:
         """
         return sum(sum(self._work_of(entry, person)[1].values()) for person in people)
 
-    def _work_of(self, entry: Entry, person: str) -> tuple[str, dict[str, float]]:
+    def _work_of(self, entry: Entry, person: str) -> tuple[State, dict[str, float]]:
         """State and seconds of somebody's own copy."""
-        work = _json(entry.folder / f"work.{_plain(person)}.json", is_row=False) or {}
-        return work.get("state", "new"), _numbers(work.get("seconds"))
+        work = _json(entry.folder / _own_name(person), is_row=False) or {}
+        return _state(work), _numbers(work.get("seconds"))
 
     def order(self) -> list[str]:
         """Scans that can be corrected, the most doubtful first."""
@@ -413,6 +399,16 @@ class Stopwatch:
         now = time.monotonic()
         spent, self._last = min(now - self._last, IDLE), now
         return spent
+
+
+def _own_name(person: str) -> str:
+    """File that says what somebody has done with a copy of their own."""
+    return f"work.{_plain(person)}.json"
+
+
+def _state(work: dict[str, Any]) -> State:
+    """What such a file says; "new" where it was edited by hand to something else."""
+    return state if (state := work.get("state")) in STATES else "new"
 
 
 def _numbers(found: object) -> dict[str, float]:
