@@ -20,7 +20,7 @@ from scenewidget.engine.clouds import PointCloud
 from scenewidget.engine.mesh import Mesh, MeshError
 from scenewidget.engine.readers import e57, gltf, las, obj, off, pcd, ply, stl, table
 from scenewidget.engine.readers.colors import as_bytes, at_vertices
-from scenewidget.engine.readers.repair import checked_triangles, is_usable, lost_precision, wound_alike
+from scenewidget.engine.readers.repair import checked_triangles, lost_precision, wound_alike
 from scenewidget.engine.readers.scale import in_metres, scale_of
 from scenewidget.engine.readers.scan import Notes, Scan
 from scenewidget.engine.readers.sniff import CLOUDS, MESHES, kind_of
@@ -230,7 +230,7 @@ def _cloud_of(
     n = len(scan.vertices)
     if n == 0:
         raise MeshError(f"{name!r} holds no points")
-    is_good = is_usable(scan.vertices)
+    is_good = scan.is_usable
     kept = None
     if not is_good.all():
         lost = n - int(is_good.sum())
@@ -238,7 +238,7 @@ def _cloud_of(
             raise MeshError(f"{name!r}: {lost} of {n} points are NaN, infinite or far from all others")
         notes.say(f"{lost} of {n} points were NaN, infinite or far from all others, and were left out")
         kept = np.flatnonzero(is_good)
-    lost_precision(scan.vertices, notes)
+    lost_precision(scan, notes)
     chosen = slice(None) if kept is None else kept
     viewpoint = scan.viewpoint
     if viewpoint is not None and viewpoint.ndim == 2 and kept is not None:
@@ -273,7 +273,7 @@ def _load_file(path: Path, notes: Notes, strict: bool) -> Mesh:
         what = "points" if len(scan.vertices) else "nothing, or only curves"
         hint = "sw.load_cloud reads it as a point cloud" if len(scan.vertices) else "a surface mesh is needed"
         raise _NoFacesError(f"{path.name!r} holds no triangles, only {what}; {hint}")
-    lost_precision(scan.vertices, notes)
+    lost_precision(scan, notes)
     return _mesh_of(scan, notes, strict, repr(path.name), str(path.absolute()))
 
 
@@ -299,7 +299,7 @@ def _mesh_of(scan: Scan, notes: Notes, strict: bool, name: str, source: str = ""
     if len(triangles) == 0:
         raise MeshError(f"{name} holds no triangle that could be used: all have fewer than three corners")
     vertices = scan.vertices
-    is_far = ~is_usable(vertices)
+    is_far = ~scan.is_usable
     if is_far.any():
         is_used = np.zeros(len(vertices), dtype=bool)
         is_used[triangles] = True

@@ -12,15 +12,14 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from scenewidget.engine.mesh import LARGEST, BoolArray, FloatArray, IntArray, Mesh, MeshError, weld
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, Mesh, MeshError, weld
 from scenewidget.engine.readers.polygons import triangulated
 from scenewidget.engine.readers.scan import Notes, Scan
 
-__all__ = ["checked_triangles", "is_usable", "lost_precision", "wound_alike"]
+__all__ = ["checked_triangles", "lost_precision", "wound_alike"]
 
 EDGES = 1 << 19  # looked at together: memory stays small
 FAR = 100.0  # extents from the origin; digits may be missing from there on
-STRAY = 100.0  # times as far off as nearly all others
 
 
 def checked_triangles(
@@ -43,7 +42,7 @@ def checked_triangles(
         whole = np.isfinite(corners) & (np.abs(corners) < 2**53) & (corners == np.floor(corners))
         corners = np.where(whole, corners, -1).astype(np.int64)
     is_good: Any = np.logical_and(corners >= 0, corners < len(scan.vertices))
-    is_finite = is_usable(scan.vertices)
+    is_finite = scan.is_usable
     n_missing = int((~is_good).sum())
     first_missing = int(corners[~is_good][0]) if n_missing else 0
     if not is_finite.all():
@@ -74,34 +73,11 @@ def checked_triangles(
     return triangles, kept[home]
 
 
-def is_usable(vertices: FloatArray) -> BoolArray:
-    """(n_vertices,) whether a place is one that can be worked with.
-
-    It is finite, not beyond all bounds, and no stray: at most one place of a thousand, `STRAY` times as far
-    from the middle as all but half a per cent. Scanners write such for "nothing measured" (1e6, 1e10).
-
-    Parameters
-    ----------
-    vertices : (n_vertices, 3) float
-    """
-    with np.errstate(invalid="ignore"):
-        usable = np.asarray((np.abs(vertices) <= LARGEST).all(axis=1))
-    some = vertices[:: max(1, len(vertices) // 100_000)]
-    some = some[usable[:: max(1, len(vertices) // 100_000)]]
-    if len(vertices) < 1000 or not len(some):
-        return usable
-    middle = np.median(some, axis=0)
-    reach = float(np.quantile(np.abs(some - middle).max(axis=1), 0.995))
-    with np.errstate(invalid="ignore"):
-        is_stray = usable & (np.abs(vertices - middle) > STRAY * reach).any(axis=1)
-    return usable & ~is_stray if 1000 * is_stray.sum() <= len(vertices) else usable
-
-
 def _judge_dropped(
     scan: Scan, n: int, n_missing: int, first: int, notes: Notes, strict: bool, name: str
 ) -> None:
     """Say, or refuse, that polygons with bad corners go."""
-    n_bad = int((~is_usable(scan.vertices)).sum())
+    n_bad = int((~scan.is_usable).sum())
     why = f"refer to a vertex that does not exist ({first} of {len(scan.vertices)})" if n_missing else ""
     if n_bad:
         why += (" or " if why else "") + f"have NaN, infinite or far corners ({n_bad} vertices do)"
@@ -190,15 +166,15 @@ def _manifold_pairs(mesh: Mesh) -> tuple[IntArray, BoolArray]:
 # --- precision ------------------------------------------------------------------------------------
 
 
-def lost_precision(vertices: FloatArray, notes: Notes) -> None:
+def lost_precision(scan: Scan, notes: Notes) -> None:
     """Say to what step coordinates far from the origin were rounded, if that is coarse for the surface.
 
     Parameters
     ----------
-    vertices : (n_vertices, 3) float
+    scan : Scan
     notes : Notes
     """
-    finite = vertices[is_usable(vertices)]
+    finite = scan.vertices[scan.is_usable]
     if len(finite) < 4:
         return
     far, extent = np.abs(finite).max(axis=0), np.ptp(finite, axis=0)

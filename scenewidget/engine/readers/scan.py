@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from scenewidget.engine.mesh import FloatArray, IntArray, MeshError
+from scenewidget.engine.mesh import LARGEST, BoolArray, FloatArray, IntArray, MeshError
 
 __all__ = [
     "MAX_BYTES",
@@ -27,6 +28,8 @@ __all__ = [
     "check_size",
     "decoded_text",
 ]
+
+STRAY = 100.0  # times as far off as nearly all others
 
 ByteArray = npt.NDArray[np.uint8]
 
@@ -86,6 +89,25 @@ class Scan:
     normals: FloatArray | None = None
     viewpoint: FloatArray | None = None
     is_single: bool = False
+
+    @cached_property
+    def is_usable(self) -> BoolArray:
+        """(n_vertices,) whether a place is one that can be worked with.
+
+        It is finite, not beyond all bounds, and no stray: at most one place of a thousand, `STRAY` times as
+        far from the middle as all but half a per cent. Scanners write such (1e6) for "nothing measured".
+        """
+        vertices, step = self.vertices, max(1, len(self.vertices) // 100_000)
+        with np.errstate(invalid="ignore"):
+            usable = np.asarray((np.abs(vertices) <= LARGEST).all(axis=1))
+        some = vertices[::step][usable[::step]]
+        if len(vertices) < 1000 or not len(some):
+            return usable
+        middle = np.median(some, axis=0)
+        reach = float(np.quantile(np.abs(some - middle).max(axis=1), 0.995))
+        with np.errstate(invalid="ignore"):
+            is_stray = usable & (np.abs(vertices - middle) > STRAY * reach).any(axis=1)
+        return usable & ~is_stray if 1000 * is_stray.sum() <= len(vertices) else usable
 
     @property
     def n_polygons(self) -> int:
