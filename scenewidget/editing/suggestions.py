@@ -510,8 +510,8 @@ class _Look:
         is_named = names != ""
         out |= is_named[:, None] & is_named[None, :] & (names[:, None] != names[None, :])
         groups = self.partition.groups
+        groups = {**groups, **{whole: whole for whole in groups.values()}}
         whole = np.array([groups.get(int(i), -1) for i in self.ids])
-        whole[np.isin(self.ids, list(groups.values()))] = self.ids[np.isin(self.ids, list(groups.values()))]
         out |= (whole[:, None] == whole[None, :]) & (whole >= 0)[:, None]  # parts of one thing stay parts
         return out
 
