@@ -1,8 +1,10 @@
 """Fewer triangles by quadric error metrics: the rule of fast-simplification, without its idle rounds.
 
-Goes in: a mesh. Comes out: a mesh with fewer faces, to the last bit the one that the library would give. The
-library tries every edge again in each of its hundred rounds, also where no edge can go any more, as on
-fragmented scans; here an edge that could not go is tried again only where something around it has changed.
+Goes in: a mesh. Comes out: a mesh with fewer faces, if the mesh is small to the last bit the one that the
+library would give. The library tries every edge again in each of its hundred rounds, also where no edge can
+go any more, as on fragmented scans; here an edge that could not go is tried again only where something around
+it has changed. A large mesh is put in an order that keeps neighbours close in memory, and goes through its
+first rounds in parts that are worked on at once: vertices that parts share wait until it is one mesh again.
 
 Garland and Heckbert (1997), SIGGRAPH; the rounds with a rising threshold: Forstmann (2014),
 Fast Quadric Mesh Simplification (MIT licence), as fast-simplification has it.
@@ -10,14 +12,24 @@ Fast Quadric Mesh Simplification (MIT licence), as fast-simplification has it.
 
 from __future__ import annotations
 
+import itertools
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from operator import methodcaller
+
 import numpy as np
 
+from scenewidget.engine.curve import along_curve
 from scenewidget.engine.kernels import kernel
-from scenewidget.engine.mesh import FloatArray, IntArray
+from scenewidget.engine.mesh import BoolArray, FloatArray, IntArray, ascending, taken, unique_codes
+from scenewidget.engine.threads import n_threads
 
 __all__ = ["decimate"]
 
 ROUNDS, TOGETHER = 100, 5  # rounds; so many of them over one list of faces around vertices
+PARTS, FEWEST = 8, 200_000  # parts that a mesh of at least so many faces is worked on in
+FAR = 12  # times the target: while more faces are left, parts are worth it
+HARDLY = 0.9  # of the faces are left after some rounds: it is done with parts
 STEEP = 0.999  # corners with a cosine above are no triangle
 TURNED = 0.2  # a normal may turn down to this cosine
 
@@ -57,38 +69,116 @@ def decimate(
     """
     places = np.array(vertices, dtype=np.float64, order="C")
     faces = np.array(faces, dtype=np.int32, order="C")
-    n = len(places)
-    is_rim = _at_rims(faces, n)
-    normals = np.empty((len(faces), 3))
-    quadrics, errors = np.zeros((n, 10)), np.empty((len(faces), 4))
-    _prepare(places, faces, np.zeros_like(is_rim), normals, quadrics, errors)  # where rims are counts later
-    is_gone = np.zeros(len(faces), dtype=np.bool_)
-    tried, which = np.zeros(len(faces), dtype=np.int64), np.zeros(len(faces), dtype=np.int64)
-    changed = np.zeros(n, dtype=np.int64)  # at which collapse something around a vertex changed last
-    seen, known = np.zeros(n, dtype=np.int64), np.zeros(n)  # errors of edges to the vertex at hand
-    clock, left = 1, len(faces)
-    for first in range(0, ROUNDS, TOGETHER):
-        if left <= target:
+    thresholds = 1e-9 * np.array([float(i + 3) ** aggressiveness for i in range(ROUNDS)])
+    first = 0
+    if len(faces) >= FEWEST and len(faces) > FAR * target:
+        surface, first = _thinned_in_parts(places, faces, target, thresholds)
+    else:
+        no_vertex = np.zeros(len(places), dtype=np.bool_)
+        surface = _surface(places, faces, _quadrics(places, faces), _at_rims(faces, len(places)), no_vertex)
+    for start in range(first, ROUNDS, TOGETHER):
+        if len(surface.faces) <= target:
             break
-        if first > 0:
-            stays = ~is_gone
-            faces, normals, errors = faces[stays], normals[stays], errors[stays]
-            tried, which, is_gone = tried[stays], which[stays], np.zeros(left, dtype=np.bool_)
-        start, count, around, corner = _fans(faces, n)
-        is_dirty = np.zeros(len(faces), dtype=np.int8)
-        thresholds = 1e-9 * np.array([float(first + i + 3) ** aggressiveness for i in range(TOGETHER)])
-        state = np.array([clock, left, target, len(around) // 2, 0, 0])
+        surface.collapse(thresholds[start : start + TOGETHER], target)
+    used, number = unique_codes(surface.faces.ravel(), len(places))
+    return surface.places[used], number.reshape(-1, 3).astype(np.int32)
+
+
+def _thinned_in_parts(
+    places: FloatArray, faces: IntArray, target: int, thresholds: FloatArray
+) -> tuple[_Surface, int]:
+    """What some rounds leave of a large mesh, and how many rounds those were.
+
+    Parts are the same however many threads there are.
+    """
+    n = len(places)
+    order = along_curve(places)
+    place = np.empty(n, dtype=np.int32)
+    place[order] = np.arange(n, dtype=np.int32)
+    places, faces = taken(places, order), taken(place, faces.ravel()).reshape(-1, 3)
+    faces = taken(faces, ascending(faces.min(axis=1)))
+    is_rim = _at_rims(faces, n)
+    bounds = np.linspace(0, len(faces), PARTS + 1).astype(np.int64)
+    lists = [faces[start:stop] for start, stop in itertools.pairwise(bounds)]
+    quadrics, n_parts_of = np.zeros((n, 10)), np.zeros(n, dtype=np.int8)
+    with ThreadPoolExecutor(n_threads()) as pool:
+        inside = list(pool.map(lambda part: unique_codes(part.ravel(), n), lists))
+        own = [number.reshape(-1, 3).astype(np.int32) for _, number in inside]
+        used = [vertices for vertices, _ in inside]
+        for vertices, sums in zip(used, pool.map(lambda v, f: _quadrics(places[v], f), used, own)):
+            quadrics[vertices] += sums
+            n_parts_of[vertices] += 1
+        is_shared = n_parts_of > 1
+        surfaces = list(
+            pool.map(lambda v, f: _surface(places[v], f, quadrics[v], is_rim[v], is_shared[v]), used, own)
+        )
+        done, before, left = 0, np.inf, len(faces)
+        while done < ROUNDS and FAR * target < left <= HARDLY * before:
+            collapse = methodcaller("collapse", thresholds[done : done + TOGETHER], 2 * target // PARTS)
+            list(pool.map(collapse, surfaces))
+            done += TOGETHER
+            before, left = left, sum(len(surface.faces) for surface in surfaces)
+    for vertices, surface in zip(used, surfaces):
+        places[vertices], quadrics[vertices] = surface.places, surface.quadrics
+    whole = _Surface(
+        places,
+        np.concatenate([v[surface.faces].astype(np.int32) for v, surface in zip(used, surfaces)]),
+        quadrics,
+        is_rim,
+        np.zeros(n, dtype=np.bool_),
+        np.concatenate([surface.normals for surface in surfaces]),
+        np.concatenate([surface.errors for surface in surfaces]),
+    )
+    return whole, done
+
+
+@dataclass
+class _Surface:
+    """A mesh that gets coarser and coarser, and what is known of its vertices and faces."""
+
+    places: FloatArray
+    faces: IntArray
+    quadrics: FloatArray  # (n_vertices, 10) of the planes around each
+    is_rim: IntArray
+    is_fixed: BoolArray  # which vertices stay as they are
+    normals: FloatArray
+    errors: FloatArray  # (n_faces, 4) of collapsing each edge, and the least of them
+
+    def __post_init__(self) -> None:
+        n = len(self.places)
+        self.tried, self.which = np.zeros((2, len(self.faces)), dtype=np.int64)
+        self.changed = np.zeros(n, dtype=np.int64)  # at which collapse something around a vertex changed last
+        self.seen, self.known = (
+            np.zeros(n, dtype=np.int64),
+            np.zeros(n),
+        )  # errors of edges to the vertex at hand
+        self.clock = 1
+
+    def collapse(self, thresholds: FloatArray, target: int) -> None:
+        """A round for each threshold, as long as more than ``target`` faces are left."""
+        is_gone = np.zeros(len(self.faces), dtype=np.bool_)
+        is_dirty = np.zeros(len(self.faces), dtype=np.int8)
+        start, count, around, corner = _fans(self.faces, len(self.places))
+        state = np.array([self.clock, len(self.faces), target, len(around) // 2, 0, 0])
         while not _collapse(
-            places, faces, is_rim, normals, quadrics, errors, is_gone, is_dirty, tried, which, changed, seen,
-            known, start, count, around, corner, thresholds, state,
+            self.places, self.faces, self.is_rim, self.is_fixed, self.normals, self.quadrics, self.errors,
+            is_gone, is_dirty, self.tried, self.which, self.changed, self.seen, self.known,
+            start, count, around, corner, thresholds, state,
         ):  # fmt: skip
             around, corner = (np.concatenate([fans, np.zeros_like(fans)]) for fans in (around, corner))
-        clock, left = int(state[0]), int(state[1])
-    faces = faces[~is_gone]
-    is_used = np.zeros(n, dtype=np.bool_)
-    is_used[faces.ravel()] = True
-    number = np.cumsum(is_used) - 1
-    return places[is_used], number[faces].astype(np.int32)
+        self.clock = int(state[0])
+        stays = ~is_gone
+        self.faces, self.normals, self.errors = self.faces[stays], self.normals[stays], self.errors[stays]
+        self.tried, self.which = self.tried[stays], self.which[stays]
+
+
+def _surface(
+    places: FloatArray, faces: IntArray, quadrics: FloatArray, is_rim: IntArray, is_fixed: BoolArray
+) -> _Surface:
+    normals, errors = np.empty((len(faces), 3)), np.empty((len(faces), 4))
+    no_rim = np.zeros_like(is_rim)  # where rims are counts later
+    _measure(places, faces, no_rim, quadrics, normals, errors)
+    return _Surface(places, faces, quadrics, is_rim, is_fixed, normals, errors)
 
 
 def _at_rims(faces: IntArray, n_vertices: int) -> IntArray:
@@ -101,6 +191,12 @@ def _at_rims(faces: IntArray, n_vertices: int) -> IntArray:
     is_rim = np.zeros(n_vertices, dtype=np.int32)
     is_rim[alone >> 32] = is_rim[alone & 0xFFFFFFFF] = 1
     return is_rim
+
+
+def _quadrics(places: FloatArray, faces: IntArray) -> FloatArray:
+    out = np.zeros((len(places), 10))
+    _add_planes(places, faces, out)
+    return out
 
 
 def _fans(faces: IntArray, n_vertices: int) -> tuple[IntArray, IntArray, IntArray, IntArray]:
@@ -163,22 +259,33 @@ def _merged(places, is_rim, quadrics, i, j):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _prepare(places, faces, is_rim, normals, quadrics, errors):  # type: ignore[no-untyped-def]
-    """Unit normals, quadrics of the planes around each vertex, errors of the edges."""
+def _normal(places, faces, f):  # type: ignore[no-untyped-def]
+    a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+    ux, uy, uz = places[b, 0] - places[a, 0], places[b, 1] - places[a, 1], places[b, 2] - places[a, 2]
+    vx, vy, vz = places[c, 0] - places[a, 0], places[c, 1] - places[a, 1], places[c, 2] - places[a, 2]
+    x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    length = np.sqrt(x * x + y * y + z * z)
+    return x / length, y / length, z / length
+
+
+@kernel
+def _add_planes(places, faces, quadrics):  # type: ignore[no-untyped-def]
+    """Quadrics of the planes around each vertex."""
     for f in range(len(faces)):
-        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
-        ux, uy, uz = places[b, 0] - places[a, 0], places[b, 1] - places[a, 1], places[b, 2] - places[a, 2]
-        vx, vy, vz = places[c, 0] - places[a, 0], places[c, 1] - places[a, 1], places[c, 2] - places[a, 2]
-        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-        length = np.sqrt(x * x + y * y + z * z)
-        x, y, z = x / length, y / length, z / length
-        normals[f, 0], normals[f, 1], normals[f, 2] = x, y, z
+        a = faces[f, 0]
+        x, y, z = _normal(places, faces, f)
         d = -(places[a, 0] * x + places[a, 1] * y + places[a, 2] * z)
         plane = (x * x, x * y, x * z, x * d, y * y, y * z, y * d, z * z, z * d, d * d)
         for k in range(3):
             for i in range(10):
                 quadrics[faces[f, k], i] += plane[i]
+
+
+@kernel
+def _measure(places, faces, is_rim, quadrics, normals, errors):  # type: ignore[no-untyped-def]
+    """Unit normals, and errors of the edges."""
     for f in range(len(faces)):
+        normals[f, 0], normals[f, 1], normals[f, 2] = _normal(places, faces, f)
         for k in range(3):
             errors[f, k] = _merged(places, is_rim, quadrics, faces[f, k], faces[f, (k + 1) % 3])[0]
         errors[f, 3] = _least(errors[f, 0], _least(errors[f, 1], errors[f, 2]))
@@ -215,8 +322,8 @@ def _turns(  # type: ignore[no-untyped-def]
 
 @kernel
 def _collapse(  # type: ignore[no-untyped-def]
-    places, faces, is_rim, normals, quadrics, errors, is_gone, is_dirty, tried, which, changed, seen, known,
-    start, count, around, corner, thresholds, state,
+    places, faces, is_rim, is_fixed, normals, quadrics, errors, is_gone, is_dirty, tried, which, changed,
+    seen, known, start, count, around, corner, thresholds, state,
 ):  # fmt: skip
     """Some rounds; whether they are done, or need more room behind the fans and go on where they stopped.
 
@@ -246,7 +353,7 @@ def _collapse(  # type: ignore[no-untyped-def]
                 if not errors[f, k] < threshold:
                     continue
                 i, j = faces[f, k], faces[f, (k + 1) % 3]
-                if is_rim[i] != is_rim[j]:
+                if is_rim[i] != is_rim[j] or is_fixed[i] or is_fixed[j]:
                     continue
                 _, x, y, z = _merged(places, is_rim, quadrics, i, j)
                 if _turns(
