@@ -5,9 +5,11 @@ import platform
 import fast_simplification
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from scenewidget.datasets import load_room
 from scenewidget.datasets.analytic import sphere, square
+from scenewidget.engine import decimation
 from scenewidget.engine.decimation import decimate
 
 
@@ -65,3 +67,25 @@ def test_what_it_is_given_stays_as_it_was():
     decimate(vertices, faces, 100)
     np.testing.assert_array_equal(vertices, before[0])
     np.testing.assert_array_equal(faces, before[1])
+
+
+def test_a_large_mesh_is_simplified_in_parts_as_well_as_whole_whatever_the_number_of_threads(monkeypatch):
+    room, _ = load_room()
+    faces = room.faces[np.argsort(room.face_centroids[:, 0])[:60_000]]
+    used, corners = np.unique(faces, return_inverse=True)
+    vertices, faces = 2.0 * room.vertices[used], corners.reshape(-1, 3).astype(np.int32)
+    whole, _ = decimate(vertices, faces, 2_000)
+    monkeypatch.setattr(decimation, "FEWEST", 50_000)
+    found = []
+    for n_threads in ("1", "3"):
+        monkeypatch.setenv("SCENEWIDGET_THREADS", n_threads)
+        found.append(decimate(vertices, faces, 2_000))
+    np.testing.assert_array_equal(found[0][0], found[1][0])
+    np.testing.assert_array_equal(found[0][1], found[1][1])
+    assert not np.array_equal(found[0][0], whole)
+    assert len(found[0][1]) <= 2_000
+
+    def off(simple):  # mean distance of what was to the nearest vertex of what is
+        return cKDTree(simple).query(vertices)[0].mean()
+
+    assert off(found[0][0]) < 1.03 * off(whole)
