@@ -114,6 +114,12 @@ class Memo:
                 oldest, _ = self._values.popitem(last=False)
                 del self._sizes[oldest]
 
+    def forget(self, which: Callable[[Hashable], bool]) -> None:
+        """Forget the results for whose keys ``which`` says so."""
+        with self._lock:
+            for key in list(filter(which, self._values)):
+                del self._values[key], self._sizes[key]
+
     def within(self, scope: Hashable) -> Recall:
         """A `Recall` whose keys are distinct from those of any other ``scope``."""
 

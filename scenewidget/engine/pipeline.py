@@ -258,6 +258,8 @@ class Pipeline:
         options = dict[str, Any](stage.options)
         if stage.recalls:
             options["recall"] = self._memo.within(table[stage.recalls].key)
+        if stage.alone:  # the memory is wanted at once
+            self._memo.forget(lambda key: isinstance(key, tuple) and key[0] == name)
         monitor.tick()
         monitor.start(name)
         start = time.perf_counter()

@@ -114,6 +114,8 @@ class Stage:
     recalls : str
         Where ``run`` also takes ``recall``, the step on whose result depends, beside the keys that ``run``
         gives, what it computes in parts.
+    alone : bool
+        Only its last result is worth remembering: it is large, and soon made again.
 
     Examples
     --------
@@ -131,6 +133,7 @@ class Stage:
     options: tuple[tuple[str, Hashable], ...]
     key: Hashable
     recalls: str = ""
+    alone: bool = False
 
 
 def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
@@ -164,11 +167,12 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
         *needs: str,
         variant: str = "",
         recalls: str = "",
+        alone: bool = False,
         **options: Hashable,
     ) -> None:
         seen = tuple(options.items())
         key = (name, variant, seen, tuple(table[need].key for need in needs if need in table))
-        table[name] = Stage(name, TITLES[name], run, needs, seen, key, recalls)
+        table[name] = Stage(name, TITLES[name], run, needs, seen, key, recalls, alone)
 
     # fmt: off
     step("adjacency", _adjacency, "mesh")
@@ -196,7 +200,7 @@ def stages(params: Params, *, also: str = "") -> dict[str, Stage]:
         step("features", _given, "items", "mesh", "descriptor", variant="given")
     elif has_features:
         step("features", _delta, "items", variant="delta", feature=p.feature)
-    step("distances", _distances, "items", *["features"] * has_features,
+    step("distances", _distances, "items", *["features"] * has_features, alone=True,
          a=p.cost_a, b=p.cost_b, exponent=p.cost_exponent, hop=p.hop,
          feature_floor=p.feature_floor if has_features else 0.0,
          convex_weights=p.convex_weights if p.n_runs else ())

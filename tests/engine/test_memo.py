@@ -27,6 +27,16 @@ def test_what_was_used_longest_ago_is_forgotten_first():
     assert (len(memo), memo.n_bytes) == (0, 0)
 
 
+def test_what_nobody_will_ask_for_can_be_forgotten():
+    memo = Memo(1000)
+    for key in (("distances", 1), ("distances", 2), ("tree", 1)):
+        memo.keep(key, np.zeros(4))
+    memo.forget(lambda key: key[0] == "distances")
+    assert len(memo) == 1
+    assert ("tree", 1) in memo
+    assert memo.n_bytes == 32
+
+
 def test_the_last_result_stays_however_large_it_is():
     memo = Memo(10)
     memo.keep("a", kilobyte())

@@ -150,6 +150,17 @@ def test_a_change_recomputes_exactly_what_depends_on_it(change, expected):
     assert recomputed(pipe, params) == set()
 
 
+def test_of_distances_only_the_last_are_remembered():
+    pipe, params = Pipeline(ROOM), FAST
+    other = params.replace(cost_exponent=1.5)
+    pipe.run(params)
+    assert pipe.knows("distances", params)
+    pipe.run(other)
+    assert pipe.knows("distances", other)
+    assert not pipe.knows("distances", params)
+    assert pipe.knows("ensemble", params)
+
+
 def test_another_s_takes_the_same_trees_for_peac():
     pipe, params = Pipeline(ROOM), FAST.replace(consensus="peac", k_range=(20, 25))
     pipe.run(params)
