@@ -20,6 +20,7 @@ import sys
 import tempfile
 import time
 import warnings
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -81,6 +82,8 @@ def seeds() -> dict[str, list[bytes]]:
     scan = Path(tempfile.gettempdir()) / "seed.e57"  # nothing that we install writes one: pye57 does
     if scan.exists():
         out["e57"] = [scan.read_bytes()]
+    else:
+        print(f"{scan} is not there, as pye57 writes it: E57 left out")
     out["glb"] += rich_glbs(box)
     try:
         import DracoPy
@@ -318,12 +321,13 @@ CASTAGNOLI = [_castagnoli(byte) for byte in range(256)]
 
 
 def _other_json(data: bytes, rng: random.Random) -> bytes:
-    """A GLB with a value of its JSON taken out, replaced or put elsewhere."""
-    if data[:4] != b"glTF" or len(data) < 20:
+    """A GLB or a JSON file with a value taken out, replaced or put elsewhere."""
+    is_glb = data[:4] == b"glTF" and len(data) >= 20
+    size = int.from_bytes(data[12:16], "little") if is_glb else 0
+    if not is_glb and data[:1] not in (b"{", b"["):
         return data
-    size = int.from_bytes(data[12:16], "little")
     try:
-        content = json.loads(data[20 : 20 + size])
+        content = json.loads(data[20 : 20 + size] if is_glb else data)
     except ValueError:
         return data
     place = content
@@ -337,7 +341,20 @@ def _other_json(data: bytes, rng: random.Random) -> bytes:
             continue
         place[key] = rng.choice([None, -1, 0, 10**9, 1.5, "x", [], {}, [0], 5126, 7])
         break
-    return glb_of(content, data[28 + size :])
+    return glb_of(content, data[28 + size :]) if is_glb else json.dumps(content).encode()
+
+
+def _repacked(data: bytes, rng: random.Random) -> bytes:
+    """An archive with one of its files damaged, and right checksums: else nothing in it is read."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(data)) as files, zipfile.ZipFile(out, "w") as other:
+        names = files.namelist()
+        for name in names:
+            content = files.read(name)
+            if rng.random() < 1 / len(names):
+                content = damaged(content, rng)
+            other.writestr(name, content)
+    return out.getvalue()
 
 
 PARTNERS = {"labels .aggregation.json": "labels .segs.json", "labels .xml": "labels .ply"}
@@ -354,7 +371,9 @@ def write_damaged(name: str, files: dict[str, list[bytes]], folder: Path, rng: r
             (folder / f"a{partner.split()[1]}").write_bytes(
                 data if rng.random() < 0.5 else damaged(data, rng)
             )
-        path.write_bytes(damaged(rng.choice(files[name]), rng))
+        data = rng.choice(files[name])
+        is_packed = name.endswith("npz") and rng.random() < 0.8
+        path.write_bytes(_repacked(data, rng) if is_packed else damaged(data, rng))
         return path
     if name in ("png", "jpg"):  # the texture of an OBJ
         (folder / "a.png").write_bytes(damaged(rng.choice(files[name]), rng))
