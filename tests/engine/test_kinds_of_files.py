@@ -52,6 +52,37 @@ def test_materials_are_found_where_people_put_them(tmp_path, head, library, cont
     assert load(written(tmp_path, "scan.obj", head + TEXTURED)).vertex_colors.tolist() == HUES
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        SQUARE + "vc 255 0 0\nvc 0 255 0\nvc 0 0 255\nvc 255 255 255\nf 1//1/1 2//1/2 3//1/3\n",
+        SQUARE.replace("v", "V") + "vc 1 0 0 1\nvc 0 1 0 1\nvc 0 0 1 1\nvc 1 1 1 1\nF 1 2 3\n",
+        "#MRGB ffff0000FF00ff00\n" + SQUARE + "#MRGB ff0000ff\r\n#MRGB 00ffffff\nf 1 2 3\n",
+    ],
+    ids=["vc", "capitals", "#MRGB"],
+)
+def test_colours_of_an_obj_in_lines_of_their_own(tmp_path, text):
+    assert load(written(tmp_path, "a.obj", text)).vertex_colors.tolist() == HUES
+    short = re.sub(r"vc [^\n]*\n|#MRGB ffff0000FF00ff00", "", text, count=1)
+    with pytest.warns(UserWarning, match="for 4 vertices: "):
+        assert load(written(tmp_path, "a.obj", short)).vertex_colors is None
+
+
+def test_light_in_the_materials_of_an_obj(tmp_path):
+    picture(tmp_path, "t.png")
+    for content in ("Kd 0 0 0\nmap_Ke t.png", "map_Ke t.png\nmap_Kd t.png"):
+        written(tmp_path, "a.mtl", f"newmtl m\n{content}\n")
+        assert load(written(tmp_path, "a.obj", "MTLLIB a.mtl\n" + TEXTURED)).vertex_colors.tolist() == HUES
+    for content, color in (
+        ("Kd 0 0 0\nKe 0 1 0", GREEN),
+        ("Kd 1 0 0\nKe 0 1 0", RED),
+        ("Kd 0 0 1\nKe 0 0 0", BLUE),
+    ):
+        written(tmp_path, "a.mtl", f"newmtl m\n{content}\n")
+        mesh = load(written(tmp_path, "a.obj", f"mtllib a.mtl\n{SQUARE}USEMTL m\nf 1 2 3 4\n"))
+        assert (mesh.vertex_colors == color).all()
+
+
 def test_the_only_material_counts_where_faces_name_none_and_of_several_none_does(tmp_path):
     picture(tmp_path, "t.png")
     written(tmp_path, "scan.mtl", "newmtl m\nmap_Kd t.png\n")
@@ -139,6 +170,53 @@ def test_hidden_nodes_and_morph_targets_of_gltf_are_said(tmp_path):
 
 
 ROWS = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+
+
+def instanced(**attributes):
+    """The square at the first of two nodes, drawn as often as the attributes say; and the second."""
+    text, data = gltf()
+    content = json.loads(text)
+    given = {}
+    for name, rows in attributes.items():
+        array = np.asarray(rows, "<f4")
+        given[name] = len(content["accessors"])
+        view = {"buffer": 0, "byteOffset": len(data), "byteLength": array.nbytes}
+        kind = {"bufferView": len(content["bufferViews"]), "componentType": 5126, "count": len(rows)}
+        content["accessors"].append(kind | {"type": f"VEC{array.shape[1]}"})
+        content["bufferViews"].append(view)
+        data += array.tobytes()
+    content["nodes"][0]["extensions"] = {"EXT_mesh_gpu_instancing": {"attributes": given}}
+    content["nodes"][0]["translation"] = [0, 0, 9]
+    content["extensionsUsed"] = content["extensionsRequired"] = ["EXT_mesh_gpu_instancing"]
+    content["buffers"][0]["byteLength"] = len(data)
+    return content, data
+
+
+def test_meshes_that_gltf_draws_many_times_are_many_parts(tmp_path):
+    half = np.sqrt(0.5)
+    turned = {"TRANSLATION": [[0, 0, 0], [2, 3, 0]], "ROTATION": [[0, 0, 0, 1], [0, 0, half, half]]}
+    content, data = instanced(**turned, SCALE=[[1, 1, 1], [2, 2, 2]])
+    written(tmp_path, "a.bin", data)
+    mesh = load(written(tmp_path, "a.gltf", json.dumps(content)))
+    x, y, z = np.asarray(PLACES, dtype=float).T
+    many = np.stack([2 - 2 * y, 3 + 2 * x, 9 + 2 * z], axis=1)  # a quarter turn about z, twice as large
+    np.testing.assert_allclose(mesh.vertices[4:8], many, atol=1e-6)
+    assert mesh.n_faces == 6
+    assert "drawn 2 times" in mesh.report[0]
+    content, data = instanced(TRANSLATION=[[0, 0, 0], [2, 3, 0]], SCALE=[[1, 1, 1]])
+    written(tmp_path, "a.bin", data)
+    with pytest.raises(MeshError, match="as many translations as rotations"):
+        load(written(tmp_path, "a.gltf", json.dumps(content)))
+
+
+def test_extensions_that_may_be_ignored_are_said_aloud_where_shapes_have_them(tmp_path):
+    text, data = gltf()
+    content = json.loads(text) | {"extensionsUsed": ["ACME_bent", "ACME_sound"]}
+    content["nodes"][0]["extensions"] = {"ACME_bent": {}}
+    written(tmp_path, "a.bin", data)
+    with pytest.warns(UserWarning, match="'ACME_bent' isn't read: shapes are as the file has them"):
+        mesh = load(written(tmp_path, "a.gltf", json.dumps(content)))
+    assert "the extension 'ACME_sound' isn't read: the scan is as the file has it without" in mesh.report
 
 
 def ply(*lines, rows=ROWS, body=""):

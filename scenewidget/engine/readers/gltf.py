@@ -37,14 +37,16 @@ __all__ = ["read"]
 COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 MAX_DEPTH = 100
+MAX_INSTANCES = 100_000  # of one node
 WRAPS = {33071: "clamp", 33648: "mirror"}
 DRACO = "KHR_draco_mesh_compression"
 MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 GLOSSY = "KHR_materials_pbrSpecularGlossiness"
+INSTANCES = "EXT_mesh_gpu_instancing"
 UNDERSTOOD = re.compile(  # extensions that we read, or that don't touch geometry and colour
     r"KHR_mesh_quantization|KHR_texture_transform|KHR_texture_basisu|EXT_texture_webp|KHR_materials_\w+"
     r"|KHR_lights_\w+|KHR_xmp\w*|KHR_animation_\w+|KHR_node_visibility|KHR_audio\w*|EXT_lights_\w+"
-    rf"|EXT_mesh_features|EXT_structural_metadata|CESIUM_primitive_outline|{DRACO}"
+    rf"|EXT_mesh_features|EXT_structural_metadata|CESIUM_primitive_outline|{DRACO}|{INSTANCES}"
 )
 ADVICE = "save it without, for example by `npx @gltf-transform/cli copy in.glb out.glb`"
 
@@ -82,8 +84,7 @@ class _File:
         for name in content.get("extensionsRequired", []):
             if name in MESHOPT or not UNDERSTOOD.fullmatch(str(name)):
                 raise MeshError(f"requires the extension {str(name)[:60]!r}, which isn't read; {ADVICE}")
-        if "EXT_mesh_gpu_instancing" in content.get("extensionsUsed", []):
-            notes.say("EXT_mesh_gpu_instancing: instances beyond the first are left out", warn=True)
+        _say_what_is_not_read(content, notes)
         return cls(path, content, chunk, notes)
 
     def entry(self, kind: str, index: Any) -> dict[str, Any]:
@@ -193,6 +194,20 @@ class _File:
         return values
 
 
+def _say_what_is_not_read(content: dict[str, Any], notes: Notes) -> None:
+    """Remark on extensions that may be ignored: aloud where a node, a mesh or a primitive has them."""
+    shapes = [*content.get("nodes", []), *content.get("meshes", [])]
+    shapes += [primitive for mesh in content.get("meshes", []) for primitive in mesh.get("primitives", [])]
+    of_shapes = {name for shape in shapes for name in shape.get("extensions", {})}
+    for name in content.get("extensionsUsed", []):
+        if name not in MESHOPT and not UNDERSTOOD.fullmatch(str(name)):
+            what = "shapes are" if name in of_shapes else "the scan is"
+            line = f"the extension {str(name)[:60]!r} isn't read: {what} as the file has them without it"
+            notes.say(
+                line.replace("is as the file has them", "is as the file has it"), warn=name in of_shapes
+            )
+
+
 def _chunks(data: bytes) -> tuple[bytes, bytes]:
     if len(data) < 20:
         raise MeshError("is damaged or truncated")
@@ -288,10 +303,34 @@ def _parts(file: _File) -> Iterator[_Part]:
             continue
         if "skin" in node:
             file.notes.say("the file has skins: meshes are read as they are before any is applied")
-        for part in _mesh(file, node["mesh"], matrix):
-            decoded += VERTEX_BYTES * len(part.vertices) + sum(FACE_BYTES * len(t) for t in part.triangles)
-            check_size(file.path, "geometry", decoded)  # nodes may share a mesh as often as they like
-            yield part
+        for place in _instances(file, node):
+            for part in _mesh(file, node["mesh"], matrix @ place):
+                size = VERTEX_BYTES * len(part.vertices) + sum(FACE_BYTES * len(t) for t in part.triangles)
+                decoded += size
+                check_size(file.path, "geometry", decoded)  # nodes may share a mesh as often as they like
+                yield part
+
+
+def _instances(file: _File, node: dict[str, Any]) -> Iterator[FloatArray]:
+    """Where a node draws its mesh, seen from the node: once, or as often as EXT_mesh_gpu_instancing says."""
+    extension = node.get("extensions", {}).get(INSTANCES)
+    if extension is None:
+        yield np.eye(4)
+        return
+    widths = {"TRANSLATION": 3, "ROTATION": 4, "SCALE": 3}
+    given = extension.get("attributes", {})
+    found = {name.lower(): _floats(file, given[name], "instances") for name in widths if name in given}
+    counts = {len(values) for values in found.values()}
+    if len(counts) != 1 or any(
+        found[name.lower()].shape[1] != widths[name] for name in widths if name in given
+    ):
+        raise MeshError(f"is damaged: {INSTANCES!r} needs as many translations as rotations and scales")
+    n = counts.pop()
+    if n > MAX_INSTANCES:
+        raise MeshError(f"draws a mesh {n} times, and at most {MAX_INSTANCES} are read; {ADVICE}")
+    file.notes.say(f"a mesh is drawn {n} times, as {INSTANCES} says: each is a part of the scan")
+    for row in range(n):
+        yield _matrix({name: values[row].tolist() for name, values in found.items()})
 
 
 def _mesh(file: _File, index: Any, matrix: FloatArray) -> Iterator[_Part]:

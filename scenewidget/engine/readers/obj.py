@@ -75,8 +75,11 @@ class _Lines:
         )
         is_blank = (second == 32) | (second == 9)
         is_long = (third == 32) | (third == 9)
+        self.is_paint = (first == ord("#")) & (second == ord("M")) & (third == ord("R"))  # ZBrush's #MRGB
+        first, second = first | 32, second | 32  # some write V and F
         self.is_vertex = (first == ord("v")) & is_blank
         self.is_texture = (first == ord("v")) & (second == ord("t")) & is_long
+        self.is_color = (first == ord("v")) & (second == ord("c")) & is_long
         self.is_face = (first == ord("f")) & is_blank
         self.is_material = (first == ord("u")) & (second == ord("s"))
         self.is_library = (first == ord("m")) & (second == ord("t"))
@@ -113,7 +116,7 @@ def _read(path: Path, lines: _Lines, notes: Notes) -> Scan:
         libraries = [path.stem + ".mtl"]  # which some programs forget to say
     vertices, colors = _vertices(lines, notes)
     scan = Scan(vertices)
-    scan.colors = colors
+    scan.colors = _listed_colors(lines, len(vertices), notes) if colors is None else colors
     has_materials = bool(libraries and (materials or lines.is_texture.any()))
     faces = _faces(path, lines, has_materials)
     if faces is None:
@@ -174,6 +177,22 @@ def _has_weight(values: FloatArray, start: IntArray, width: IntArray) -> BoolArr
     """
     is_wide = width >= 7
     return is_wide & bool((values[start[is_wide] + 3] == 1.0).all())
+
+
+def _listed_colors(lines: _Lines, n: int, notes: Notes) -> ByteArray | None:
+    """Colours of all ``n`` vertices in lines of their own: `vc r g b`, or `#MRGB`, 8 hex digits a vertex."""
+    if lines.is_color.any():
+        values, width = rows(lines.pieces(lines.is_color, 2))
+        if len(width) == n and width.min() >= 3:
+            return as_bytes(values[(np.cumsum(width) - width)[:, None] + np.arange(3)], notes)
+        notes.say(f"{len(width)} lines of colours (vc) for {n} vertices: they are left out", warn=True)
+    if lines.is_paint.any():
+        digits = re.sub(r"\s", "", "".join(lines.words(lines.is_paint)))
+        if len(digits) == 8 * n and re.fullmatch("[0-9A-Fa-f]+", digits):
+            packed = np.frombuffer(bytes.fromhex(digits), dtype=np.uint8).reshape(n, 4)
+            return np.array(packed[:, 1:])  # the first is a mask
+        notes.say(f"#MRGB has {len(digits)} digits for {n} vertices: its colours are left out", warn=True)
+    return None
 
 
 # --- faces ----------------------------------------------------------------------------------------
@@ -243,8 +262,8 @@ def _from_zero(index: IntArray, counts: IntArray, is_face: BoolArray, is_entry: 
 
 @dataclass
 class _Material:
-    color: tuple[float, float, float] | None = None  # Kd
-    picture: str = ""  # map_Kd
+    color: tuple[float, float, float] | None = None  # Kd, or Ke where that is black
+    picture: str = ""  # map_Kd, or map_Ke or map_Ka where there is none
     home: Path = Path()  # of its library
     is_clamped: bool = False
     scale: tuple[float, float] = (1.0, 1.0)
@@ -268,9 +287,10 @@ def _library(path: Path, names: list[str], notes: Notes) -> dict[str, _Material]
             key = words[0].lower() if len(words) > 1 else ""
             if key == "newmtl":
                 material = out.setdefault(words[1].strip(), _Material(home=found.parent))
-            elif key == "kd":
-                material.color = _color(words[1])
-            elif key in ("map_kd", "map_ka") and (key == "map_kd" or not material.picture):
+            elif key == "kd" or (key == "ke" and not any(material.color or ())):
+                color = _color(words[1])
+                material.color = color if key == "kd" or any(color or ()) else material.color
+            elif key == "map_kd" or (key in ("map_ke", "map_ka") and not material.picture):
                 _take_map(material, words[1])
     return out
 
