@@ -201,11 +201,10 @@ def _say_what_is_not_read(content: dict[str, Any], notes: Notes) -> None:
     of_shapes = {name for shape in shapes for name in shape.get("extensions", {})}
     for name in content.get("extensionsUsed", []):
         if name not in MESHOPT and not UNDERSTOOD.fullmatch(str(name)):
-            what = "shapes are" if name in of_shapes else "the scan is"
-            line = f"the extension {str(name)[:60]!r} isn't read: {what} as the file has them without it"
-            notes.say(
-                line.replace("is as the file has them", "is as the file has it"), warn=name in of_shapes
+            what = (
+                "shapes are as the file has them" if name in of_shapes else "the scan is as the file has it"
             )
+            notes.say(f"the extension {str(name)[:60]!r} isn't read: {what} without", warn=name in of_shapes)
 
 
 def _chunks(data: bytes) -> tuple[bytes, bytes]:
