@@ -27,7 +27,7 @@ from scenewidget.engine.threads import n_threads
 __all__ = ["decimate"]
 
 ROUNDS, TOGETHER = 100, 5  # rounds; so many of them over one list of faces around vertices
-PARTS, FEWEST = 8, 200_000  # parts that a mesh of at least so many faces is worked on in
+PARTS, FEWEST = 8, 300_000  # parts that a mesh of at least so many faces is worked on in
 FAR = 12  # times the target: while more faces are left, parts are worth it
 HARDLY = 0.9  # of the faces are left after some rounds: it is done with parts
 STEEP = 0.999  # corners with a cosine above are no triangle
