@@ -31,10 +31,12 @@ from scenewidget.engine.mesh import (
     connected_components,
     face_adjacency,
     neighbor_table,
+    taken,
     unique_codes,
     weld,
 )
 from scenewidget.engine.monitor import SILENT, Monitor
+from scenewidget.engine.threads import parts
 
 __all__ = ["Simplified", "filter_normals", "keep_components", "simplify"]
 
@@ -413,7 +415,7 @@ def _with_faces(mesh: Mesh, stays: BoolArray) -> Mesh:
 def _fast(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
     before = vertices, faces
     center = vertices.mean(axis=0)
-    edge = np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1).mean()
+    edge = np.linalg.norm(taken(vertices, faces[:, 0]) - taken(vertices, faces[:, 1]), axis=1).mean()
     unit = float(edge) / _FAST_EDGE
     vertices = (vertices - center) / unit
     for aggressiveness in (7.0, 10.0, 15.0):  # fragmented scans stop far above the target: try harder
@@ -511,14 +513,11 @@ def _closest(points: FloatArray, mesh: Mesh, monitor: Monitor) -> tuple[IntArray
 
     nearest = np.empty(len(points), dtype=np.int32)
     distance = np.empty(len(points))
-    faces = mesh.faces.astype(np.int64)
-    step = 200_000
-    for start in range(0, len(points), step):
-        square, face, _ = igl.point_mesh_squared_distance(
-            np.ascontiguousarray(points[start : start + step]), np.array(mesh.vertices), faces
-        )
-        nearest[start : start + step] = face
-        distance[start : start + step] = np.sqrt(square)
+    vertices, faces = np.array(mesh.vertices), mesh.faces.astype(np.int64)
+    order = along_curve(points)  # so that one search goes through what the last one left in the cache
+    for part in parts(len(points), 200_000):
+        square, face, _ = igl.point_mesh_squared_distance(taken(points, order[part]), vertices, faces)
+        nearest[order[part]], distance[order[part]] = face, np.sqrt(square)
         monitor.tick()
     return nearest, distance
 
