@@ -659,6 +659,11 @@ def _account() -> str:
 @atexit.register
 def _leave_all() -> None:
     """Leave, saved, what is open when a program ends, while all that saving needs is still there."""
-    for bench in list(_at_work.values()):
-        with bench._lock:
-            bench._leave()
+    with contextlib.ExitStack() as leaving:  # everything, though one should raise
+        for bench in list(_at_work.values()):
+            leaving.callback(_leave_one, bench)
+
+
+def _leave_one(bench: Workbench) -> None:
+    with bench._lock:
+        bench._leave()

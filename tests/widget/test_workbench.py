@@ -7,6 +7,7 @@ import pytest
 import shapes
 
 import scenewidget as sw
+from scenewidget.widget import workbench
 
 
 @pytest.fixture
@@ -65,6 +66,26 @@ def test_what_somebody_has_open_is_passed_over_and_given_free_at_the_end(out):
     again = sw.Workbench(out, "bob")  # the cell is run again: the newest has it
     again.edit("b.ply")
     again.close()
+
+
+def test_at_the_end_of_a_program_everything_is_left_though_one_fails(out, monkeypatch):
+    ann, bob = sw.Workbench(out, "ann"), sw.Workbench(out, "bob", own=True)
+    for bench in (ann, bob):
+        bench.edit("a.ply")
+
+    def fail():
+        raise RuntimeError("no disk")
+
+    for failing in (ann, bob):
+        for bench in (ann, bob):
+            monkeypatch.undo()
+            bench.edit("a.ply")
+        monkeypatch.setattr(failing.editor, "close", fail)
+        with pytest.raises(RuntimeError, match="no disk"):
+            workbench._leave_all()
+        assert (bob if failing is ann else ann).editor is None
+    monkeypatch.undo()
+    workbench._leave_all()
 
 
 def test_a_large_scan_is_corrected_room_by_room(out, tmp_path):
