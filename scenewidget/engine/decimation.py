@@ -114,7 +114,7 @@ def _thinned_in_parts(
         )
         done, before, left = 0, np.inf, len(faces)
         while done < ROUNDS and FAR * target < left <= HARDLY * before:
-            collapse = methodcaller("collapse", thresholds[done : done + TOGETHER], 2 * target // PARTS)
+            collapse = methodcaller("collapse", thresholds[done : done + TOGETHER], -(-2 * target // PARTS))
             list(pool.map(collapse, surfaces))
             done += TOGETHER
             before, left = left, sum(len(surface.faces) for surface in surfaces)
