@@ -94,6 +94,7 @@ export class SceneRenderer {
     this.gl = context;
     this.three = new WebGLRenderer({ canvas, context, ...options });
     this.three.autoClear = false;
+    this.three.sortObjects = false; // there is one; to sort it, its bounds would be sought
     this.three.setClearColor(0x000000, 0);
     this.camera = new ThreeCamera();
     this.faces = facesMaterial();
@@ -188,7 +189,11 @@ export class SceneRenderer {
   /** @param {Uint32Array | null} faceAtom */
   setFaceAtoms(faceAtom) {
     this.#uniform("hasPartition", faceAtom !== null);
-    this.#texture("faceAtom", integerTexture(faceAtom ?? new Uint32Array(1), 1));
+    const texture = integerTexture(faceAtom ?? new Uint32Array(1), 1);
+    texture.onUpdate = () => {
+      texture.image.data = /** @type {any} */ (null); // it has been sent, and whoever gave it has it
+    };
+    this.#texture("faceAtom", texture);
   }
 
   /**
@@ -198,24 +203,26 @@ export class SceneRenderer {
    */
   changeFaceAtoms(faceAtom, ranges) {
     const texture = /** @type {DataTexture} */ (this.paints.uniforms.faceAtom.value);
-    const { data, width } = /** @type {{ data: Uint32Array, width: number }} */ (texture.image);
-    /** @type {Set<number>} */
-    const rows = new Set();
-    for (let i = 0; i < ranges.length; i += 2) {
-      const [from, end] = [ranges[i], ranges[i + 1]];
-      data.set(faceAtom.subarray(from, end), from);
-      for (let row = Math.floor(from / width); row * width < end; row++) rows.add(row);
-    }
     const { gl, three } = this;
     const known = /** @type {any} */ (three.properties.get(texture)).__webglTexture;
-    if (!known) return; // it is sent as a whole, by and by
+    if (!known) return this.setFaceAtoms(faceAtom); // the one before hasn't been sent yet
+    const { width } = texture.image;
+    /** @type {Set<number>} */
+    const rows = new Set();
+    for (let i = 0; i < ranges.length; i += 2)
+      for (let row = Math.floor(ranges[i] / width); row * width < ranges[i + 1]; row++) rows.add(row);
     three.state.bindTexture(gl.TEXTURE_2D, known);
     gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    for (const [first, end] of runs(rows)) {
-      const part = data.subarray(first * width, end * width);
-      const place = /** @type {const} */ ([gl.TEXTURE_2D, 0, 0, first, width, end - first]);
+    const send = (/** @type {number} */ row, /** @type {number} */ columns, /** @type {number} */ n) => {
+      const part = faceAtom.subarray(row * width, row * width + columns * n);
+      const place = /** @type {const} */ ([gl.TEXTURE_2D, 0, 0, row, columns, n]);
       gl.texSubImage2D(...place, gl.RED_INTEGER, gl.UNSIGNED_INT, part);
+    };
+    const nFull = Math.floor(faceAtom.length / width);
+    for (const [first, end] of runs(rows)) {
+      if (first < nFull) send(first, width, Math.min(end, nFull) - first);
+      if (end > nFull) send(nFull, faceAtom.length - nFull * width, 1);
     }
   }
 
@@ -426,11 +433,11 @@ export class SceneRenderer {
     const { vertices, normals, colors } = /** @type {MeshArrays} */ (this.arrays);
     const { corner, face, index } = drawable(faces, vertices.length / 3, numbers);
     const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(gather(vertices, 3, corner), 3));
-    geometry.setAttribute("normal", new BufferAttribute(gather(normals, 4, corner), 4, true));
-    geometry.setAttribute("face", new BufferAttribute(face, 1));
-    if (colors) geometry.setAttribute("color", new BufferAttribute(gather(colors, 3, corner, 4), 4, true));
-    geometry.setIndex(new BufferAttribute(index, 1));
+    geometry.setAttribute("position", attribute(gather(vertices, 3, corner), 3));
+    geometry.setAttribute("normal", attribute(gather(normals, 4, corner), 4));
+    geometry.setAttribute("face", attribute(face, 1));
+    if (colors) geometry.setAttribute("color", attribute(gather(colors, 3, corner, 4), 4));
+    geometry.setIndex(attribute(index, 1));
     const mesh = new Mesh(geometry, this.faces);
     mesh.frustumCulled = false;
     this.meshScene.add(mesh);
@@ -448,14 +455,11 @@ export class SceneRenderer {
     const larger = (OVERLAP * n) / Math.max(1, face.length) / Math.PI;
     const reach = Float32Array.from(face, (i) => Math.sqrt(larger * /** @type {Float32Array} */ (areas)[i]));
     const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(numbers ? gather(vertices, 3, face) : vertices, 3));
-    geometry.setAttribute(
-      "normal",
-      new BufferAttribute(numbers ? gather(normals, 4, face) : normals, 4, true),
-    );
-    geometry.setAttribute("reach", new BufferAttribute(reach, 1));
-    geometry.setAttribute("face", new BufferAttribute(face, 1));
-    if (colors) geometry.setAttribute("color", new BufferAttribute(gather(colors, 3, face, 4), 4, true));
+    geometry.setAttribute("position", attribute(numbers ? gather(vertices, 3, face) : vertices, 3));
+    geometry.setAttribute("normal", attribute(numbers ? gather(normals, 4, face) : normals, 4));
+    geometry.setAttribute("reach", attribute(reach, 1));
+    geometry.setAttribute("face", attribute(face, 1));
+    if (colors) geometry.setAttribute("color", attribute(gather(colors, 3, face, 4), 4));
     const points = new Points(geometry, this.faces);
     points.frustumCulled = false;
     this.meshScene.add(points);
@@ -497,6 +501,21 @@ export class SceneRenderer {
     this.#uniform(name, texture);
     if (name in this.faces.uniforms) this.faces.uniforms[name].value = texture;
   }
+}
+
+/**
+ * Numbers that the page forgets once they have been sent to where they are drawn; bytes are shares of the largest.
+ * @param {Float32Array | Uint32Array | Int8Array | Uint8Array} array
+ * @param {number} width  items a corner
+ */
+function attribute(array, width) {
+  const isShare = array.BYTES_PER_ELEMENT === 1;
+  return new BufferAttribute(array, width, isShare).onUpload(forget);
+}
+
+/** @this {BufferAttribute} */
+function forget() {
+  this.array = new /** @type {any} */ (this.array.constructor)(0);
 }
 
 function facesMaterial() {

@@ -17,13 +17,14 @@ const COLOR_STEP = 32; // of 255, between neighbours
 const SPECK = 0.02; // of what is reached; smaller pieces left out amid it are noise
 const SLICE = 100_000; // faces between two breaths of the page
 const NOBODY = -1;
+const MOST_MARKS = 0xffff;
 
 /**
  * @typedef {object} Surface
  * @property {Int32Array} neighbors  three a face, across its sides; −1 where the scan ends. Where more than two faces
  *   share a side, each has the next.
  * @property {Uint8Array} shut  a bit a side: a brush doesn't cross it
- * @property {Uint32Array} mark  by face; of whoever is walking over the surface
+ * @property {Uint16Array} mark  by face; of whoever is walking over the surface
  * @property {number} last  mark given
  */
 
@@ -35,18 +36,18 @@ const NOBODY = -1;
 export function* survey({ vertices, faces, colors }) {
   const nFaces = faces.length / 3;
   const neighbors = yield* neighborsOf(vertices, faces);
-  const { normals, middles } = yield* smoothed(vertices, faces, neighbors);
+  const normals = yield* smoothed(vertices, faces, neighbors);
   const shut = new Uint8Array(nFaces);
   for (let f = 0; f < nFaces; f++) {
     for (let side = 0; side < 3; side++) {
       const g = neighbors[3 * f + side];
       if (g === NOBODY) continue;
-      const isShut = isCrease(normals, middles, f, g) || (colors !== null && isStep(colors, faces, f, g));
+      const isShut = isCrease(normals, vertices, faces, f, g) || (colors !== null && isStep(colors, faces, f, g));
       if (isShut) shut[f] |= 1 << side;
     }
     if (f % SLICE === SLICE - 1) yield;
   }
-  return { neighbors, shut, mark: new Uint32Array(nFaces), last: 0 };
+  return { neighbors, shut, mark: new Uint16Array(nFaces), last: 0 };
 }
 
 /**
@@ -59,9 +60,8 @@ export function* survey({ vertices, faces, colors }) {
  */
 export function reached(surface, seeds, counts, sticks) {
   const { neighbors, shut, mark } = surface;
-  const [isIn, isOut] = [surface.last + 1, surface.last + 2];
-  surface.last += 3;
-  const isLeft = surface.last; // counts, but isn't reached
+  const isIn = newMarks(surface, 3);
+  const [isOut, isLeft] = [isIn + 1, isIn + 2]; // isLeft: counts, but isn't reached
   /** @type {number[]} */
   const faces = [];
   const look = (/** @type {number} */ face) => {
@@ -100,7 +100,7 @@ export function reached(surface, seeds, counts, sticks) {
  */
 export function specks(surface, faces, counts) {
   const { neighbors, mark } = surface;
-  const isDone = ++surface.last;
+  const isDone = newMarks(surface, 1);
   const beyond = [];
   for (const face of faces) {
     for (let side = 3 * face; side < 3 * face + 3; side++) {
@@ -110,6 +110,16 @@ export function specks(surface, faces, counts) {
   }
   const rest = (/** @type {number} */ face) => mark[face] !== isDone && !faces.has(face) && counts(face);
   return pieces(surface, beyond, rest, isDone, SPECK * faces.size);
+}
+
+/** The first of some marks in a row that no face has. @param {Surface} surface @param {number} n */
+function newMarks(surface, n) {
+  if (surface.last + n > MOST_MARKS) {
+    surface.mark.fill(0);
+    surface.last = 0;
+  }
+  surface.last += n;
+  return surface.last - n + 1;
 }
 
 /**
@@ -224,15 +234,15 @@ function* welded(vertices) {
 }
 
 /**
- * Normals averaged over the surface but not across creases, as `preprocess.filter_normals` does, and middles.
+ * Normals averaged over the surface but not across creases, as `preprocess.filter_normals` does.
  * @param {Float32Array} vertices
  * @param {Uint32Array} faces
  * @param {Int32Array} neighbors
- * @returns {Generator<void, { normals: Float32Array, middles: Float32Array }, void>}
+ * @returns {Generator<void, Float32Array, void>}
  */
 function* smoothed(vertices, faces, neighbors) {
   const nFaces = faces.length / 3;
-  const [areas, middles] = [new Float32Array(nFaces), new Float32Array(faces.length)];
+  const areas = new Float32Array(nFaces);
   let [here, there] = [new Float32Array(faces.length), new Float32Array(faces.length)];
   for (let f = 0; f < nFaces; f++) {
     const [a, b, c] = [3 * faces[3 * f], 3 * faces[3 * f + 1], 3 * faces[3 * f + 2]];
@@ -246,9 +256,6 @@ function* smoothed(vertices, faces, neighbors) {
     here[3 * f] = x * part;
     here[3 * f + 1] = y * part;
     here[3 * f + 2] = z * part;
-    middles[3 * f] = ax + (ux + vx) / 3;
-    middles[3 * f + 1] = ay + (uy + vy) / 3;
-    middles[3 * f + 2] = az + (uz + vz) / 3;
     if (f % SLICE === SLICE - 1) yield;
   }
   for (let sweep = 0; sweep < SWEEPS; sweep++) {
@@ -258,7 +265,7 @@ function* smoothed(vertices, faces, neighbors) {
     }
     [here, there] = [there, here];
   }
-  return { normals: here, middles };
+  return here;
 }
 
 /**
@@ -301,20 +308,23 @@ function sweepOnce(here, there, areas, neighbors, from, to) {
 /**
  * Whether the surface turns inwards between two faces.
  * @param {Float32Array} normals
- * @param {Float32Array} middles
+ * @param {Float32Array} vertices
+ * @param {Uint32Array} faces
  * @param {number} f
  * @param {number} g
  */
-function isCrease(normals, middles, f, g) {
+function isCrease(normals, vertices, faces, f, g) {
   let cosine = 0;
-  let turn = 0;
+  for (let k = 0; k < 3; k++) cosine += normals[3 * f + k] * normals[3 * g + k];
+  if (cosine >= CREASE) return false;
+  let turn = 0; // thrice, from middle to middle
   for (let k = 0; k < 3; k++) {
-    const n = normals[3 * f + k];
-    const m = normals[3 * g + k];
-    cosine += n * m;
-    turn += (middles[3 * g + k] - middles[3 * f + k]) * (m - n);
+    let apart = 0;
+    for (let corner = 0; corner < 3; corner++)
+      apart += vertices[3 * faces[3 * g + corner] + k] - vertices[3 * faces[3 * f + corner] + k];
+    turn += apart * (normals[3 * g + k] - normals[3 * f + k]);
   }
-  return turn < 0 && cosine < CREASE;
+  return turn < 0;
 }
 
 /**

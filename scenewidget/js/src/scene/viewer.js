@@ -169,12 +169,17 @@ export class Viewer {
     this.mesh = mesh;
     this.sample = sample(mesh);
     this.extent = extentOf(this.sample);
-    this.renderer.setMesh(mesh);
-    clearTimeout(this.coarseTimer);
-    this.work = undefined;
+    this.#send(mesh);
     this.#cut();
     if (isOther) this.isPlaced = false;
     this.#draw();
+  }
+
+  /** Give what is drawn to the context. @param {MeshArrays} mesh */
+  #send(mesh) {
+    this.renderer.setMesh(mesh);
+    clearTimeout(this.coarseTimer);
+    this.work = undefined;
   }
 
   /** Cut the scan open. @param {import("./section.js").Range[]} ranges  see section.js */
@@ -561,7 +566,7 @@ export class Viewer {
     return this.pointAt(place) ?? add(frame(this.camera).eye, direction, this.camera.distance);
   }
 
-  /** The context is gone for now; three.js takes it up again by itself. */
+  /** The context is gone for now, and all that had been sent to it. */
   lose() {
     this.isLost = true;
     this.snapshot = null;
@@ -569,6 +574,8 @@ export class Viewer {
 
   restore() {
     this.isLost = false;
+    if (this.mesh) this.#send(this.mesh);
+    this.renderer.setFaceAtoms(this.partition?.faceAtom ?? null);
     this.#draw();
   }
 

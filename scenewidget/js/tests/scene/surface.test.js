@@ -89,6 +89,16 @@ test("specks amid what is reached are filled, what doesn't count stays out, walk
   );
 });
 
+test("after very many walks, marks of the first are no longer taken for new ones", () => {
+  const surface = finished(survey(sheet(10, () => 0)));
+  const few = (/** @type {number} */ face) => face < 20;
+  for (const last of [0, 0xffff - 3, 0xffff]) {
+    surface.last = last;
+    assert.equal(reached(surface, [0], few, true).length, 20);
+    assert.equal(reached(surface, [0], everything, true).length, 200);
+  }
+});
+
 test("all views of a mesh share its surface, and who can't wait has it at once", () => {
   const mesh = sheet(4, () => 0);
   surveyOf(mesh).begin();
