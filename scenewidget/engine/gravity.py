@@ -260,11 +260,18 @@ def _axes(centers: FloatArray, normals: FloatArray, areas: FloatArray) -> list[A
     return sorted(axes, key=lambda axis: -axis.share)
 
 
-def _sample(mesh: Mesh, rounds: int = ROUNDS) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _sample(mesh: Mesh) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Centroids, smoothed unit normals and areas of some of the faces."""
+    if not mesh._smoothed_faces:  # smoothing looks at all faces
+        mesh._smoothed_faces.append(_smoothed_sample(mesh))
+    centers, normals, areas = mesh._smoothed_faces[0]
+    return centers, normals, areas
+
+
+def _smoothed_sample(mesh: Mesh) -> tuple[FloatArray, FloatArray, FloatArray]:
     vectors = mesh.face_vectors
     areas = mesh.face_areas
-    rounds = rounds if mesh.n_faces > FEW and not mesh.is_cloud else 0
+    rounds = ROUNDS if mesh.n_faces > FEW and not mesh.is_cloud else 0
     if rounds:
         ends = np.arange(0, mesh.faces.size + 1, 3)
         shape = (mesh.n_vertices, mesh.n_faces)

@@ -231,6 +231,11 @@ class Mesh:
         return []
 
     @cached_property
+    def _smoothed_faces(self) -> list[Any]:
+        """Some faces with smoothed normals, found so far, none or one; `gravity` fills it."""
+        return []
+
+    @cached_property
     def is_used(self) -> BoolArray:
         """(n_vertices,) whether a face has the vertex; others may lie anywhere."""
         is_used = np.zeros(self.n_vertices, dtype=np.bool_)

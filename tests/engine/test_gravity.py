@@ -7,6 +7,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from scenewidget import PointCloud, datasets
+from scenewidget.engine import gravity
 from scenewidget.engine.gravity import large_axes
 from scenewidget.engine.mesh import Mesh
 from scenewidget.engine.orientation import up_direction
@@ -178,3 +179,12 @@ def test_axes_measure_what_faces_them():
     assert sorted(round(axis.extent, 1) for axis in axes) == [2.5, 4.0, 5.0]
     assert all(axis.is_opposed for axis in axes)
     assert sum(axis.share for axis in axes) == pytest.approx(1, abs=0.2)
+
+
+def test_the_surface_is_smoothed_but_once(rooms, monkeypatch):
+    room = Mesh(rooms[0].vertices, rooms[0].faces)
+    calls, smooth = [], gravity._smoothed_sample
+    monkeypatch.setattr(gravity, "_smoothed_sample", lambda mesh: calls.append(mesh) or smooth(mesh))
+    for _ in range(2):
+        np.testing.assert_array_equal(up_direction(room), up_direction(rooms[0]))
+    assert calls.count(room) == 1
