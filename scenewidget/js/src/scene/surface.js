@@ -42,7 +42,8 @@ export function* survey({ vertices, faces, colors }) {
     for (let side = 0; side < 3; side++) {
       const g = neighbors[3 * f + side];
       if (g === NOBODY) continue;
-      const isShut = isCrease(normals, vertices, faces, f, g) || (colors !== null && isStep(colors, faces, f, g));
+      const isShut =
+        isCrease(normals, vertices, faces, f, g) || (colors !== null && isStep(colors, faces, f, g));
       if (isShut) shut[f] |= 1 << side;
     }
     if (f % SLICE === SLICE - 1) yield;
