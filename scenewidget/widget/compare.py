@@ -34,7 +34,7 @@ from scenewidget.widget.arranged import Arranged
 from scenewidget.widget.lifetimes import belongs_to_its_cell, close_all
 from scenewidget.widget.misplaced import place_to_set, refuse_options
 from scenewidget.widget.observing import FaultTolerant
-from scenewidget.widget.scene_state import own_names
+from scenewidget.widget.scene_state import Told, own_names
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scores import Scorer, disagreement, score_rows
 from scenewidget.widget.settings import params_code
@@ -57,7 +57,9 @@ WAYS = {  # what people ask a `Compare` for under another name
     "segmentation": "those of all sides are in segmentations",
     "session": "it shows segmentations and edits none: that is what a SceneWidget is for",
     "params": "each side has its own: write a = Params(n_segments=…), or b = …",
-    **dict.fromkeys(("names", "titles", "labels"), "the sides are called A, B, C … in their order"),
+    **dict.fromkeys(
+        ("titles", "labels"), "the sides have names: Compare(mesh, {'Ann': first, 'Bob': second})"
+    ),
     **dict.fromkeys(("table", "report", "metrics", "errors"), "write to_frame(), or read scores"),
 }
 CELL_STYLE = "padding:1px 14px 1px 0;text-align:right;white-space:nowrap"
@@ -74,7 +76,8 @@ class Compare(KnownNames, FaultTolerant, Arranged, widgets.VBox):
     ----------
     mesh : Mesh, path, trimesh.Trimesh or (vertices, faces)
     a, b : Params or Segmentation
-        `Params()` by default. A segmentation must be of this mesh.
+        `Params()` by default. A segmentation must be of this mesh. Instead of them, ``a`` may be a mapping of
+        names to two or more sides, as `agreement` takes; else the sides are called A, B, C ….
     *others : Params or Segmentation
         More of them, each in a view of its own.
     truth : Segmentation or (n_faces,) int, optional
@@ -93,10 +96,13 @@ class Compare(KnownNames, FaultTolerant, Arranged, widgets.VBox):
     a, b : Params or Segmentation
     others : tuple of Params or Segmentation
         Of the sides after these; as many as at first.
+    names : tuple of str
+        Of all sides.
     segmentations : tuple of Segmentation
         Of all sides; empty until they are there.
     scores : dict of str to dict of str to float
-        `metrics.quick_scores` of "A and truth", "B and truth", "B and A", with a third side "C and A" ….
+        `metrics.quick_scores` of "A and truth", "B and truth", "B and A", with a third side "C and A" …;
+        sides that were given by name have theirs.
     views : tuple of SceneView
     busy : bool
 
@@ -118,6 +124,11 @@ class Compare(KnownNames, FaultTolerant, Arranged, widgets.VBox):
     >>> compare
     Compare(8 faces, 2 and 4 segments)
     >>> compare.close()
+    >>> named = sw.Compare(mesh, {"Ann": seg, "Bob": quarters})
+    >>> _ = named.wait()
+    >>> list(named.scores)
+    ['Bob and Ann']
+    >>> named.close()
     """
 
     a = traitlets.Union([traitlets.Instance(Params), traitlets.Instance(Segmentation)])
@@ -132,18 +143,18 @@ class Compare(KnownNames, FaultTolerant, Arranged, widgets.VBox):
     segmentations: Any = traitlets.Tuple(read_only=True)
     """Of all sides; empty until they are there."""
 
-    scores: Any = traitlets.Dict(read_only=True)
+    scores: Any = Told("they are measured after each result")
     """Measures by name, by "A and truth", "B and truth", "B and A"."""
 
     busy = traitlets.Bool(False, read_only=True)
     """Whether something is being computed."""
 
-    _set_once = ("pipeline", "views")
+    _set_once = ("pipeline", "views", "names")
 
     def __init__(
         self,
         mesh: Mesh | Any,
-        a: Side | None = None,
+        a: Side | Mapping[str, Side] | None = None,
         b: Side | None = None,
         *others: Side,
         truth: Segmentation | IntArray | None = None,
@@ -153,10 +164,14 @@ class Compare(KnownNames, FaultTolerant, Arranged, widgets.VBox):
     ) -> None:
         refuse_options(Compare, options)
         self.pipeline = Pipeline(mesh)
+        names: Sequence[str] = LETTERS
+        if isinstance(a, Mapping):
+            names, (a, b, *others) = _named(a, b, others)
         a, b = (_checked(name, side, self.mesh) for name, side in (("a", a), ("b", b)))
         sides = [a, b, *(_checked("others", side, self.mesh) for side in others)]
         if len(sides) > MOST:
             raise ValueError(f"others: at most {MOST} views at once, as browsers draw, got {len(sides)}")
+        self.names = tuple(names[: len(sides)])
         _check_measure(disagreement)
         self._disagreement = disagreement
         self._scorer = None if truth is None else Scorer(self.mesh, truth)
@@ -167,7 +182,7 @@ class Compare(KnownNames, FaultTolerant, Arranged, widgets.VBox):
         first = SceneView(self.mesh, height=height, camera_group=group)
         self.views = (first, *(first.twin(height=height, camera_group=group) for _ in sides[1:]))
         for view in self.views:
-            view.offer_errors("Against the other" if len(sides) == 2 else "Against A")
+            view.offer_errors("Against the other" if len(sides) == 2 else f"Against {self.names[0]}")
             view.on_msg(self._handle_message)
         for view in self.views[1:]:
             for name in SHARED:
@@ -274,11 +289,11 @@ class Compare(KnownNames, FaultTolerant, Arranged, widgets.VBox):
             What has a row. "side": `evaluate` of all against the truth, or of the others against A without
             one; "segment" and "name": `agreement` of all pairs, by area, the least agreed on first.
         """
-        found = dict(zip(LETTERS, self.wait(None)))
+        found = dict(zip(self.names, self.wait(None), strict=True))
         if per != "side":
             return agreement(found, self.mesh, by="area", per=per)
         if self._scorer is None:
-            first = found.pop("A")
+            first = found.pop(self.names[0])
             return evaluate(found, first, self.mesh)
         return evaluate(found, self._scorer.truth, self.mesh)
 
@@ -315,8 +330,8 @@ class Compare(KnownNames, FaultTolerant, Arranged, widgets.VBox):
             self.set_trait("segmentations", ())
             self.set_trait("scores", {})
             self._table.value = ""
-            for name, side, title, view in zip(LETTERS, sides, self._titles, self.views):
-                title.value = f"<b>{name}</b> &nbsp;<code>{html.escape(_words(side))}</code>"
+            for name, side, title, view in zip(self.names, sides, self._titles, self.views, strict=True):
+                title.value = f"<b>{html.escape(name)}</b> &nbsp;<code>{html.escape(_words(side))}</code>"
                 view.error, view.status, view.progress, view.busy = "", "Waiting", 0.0, True
             self._worker.submit(task)
 
@@ -335,20 +350,20 @@ class Compare(KnownNames, FaultTolerant, Arranged, widgets.VBox):
 
     def _show_comparison(self, found: list[Segmentation], cancel: threading.Event) -> None:
         first, *rest = found
-        scores, letters = {}, LETTERS[1 : len(found)]
+        scores, (one, *names) = {}, self.names
         if self._scorer is not None:
-            for name, segmentation in zip(LETTERS, found):
+            for name, segmentation in zip(self.names, found, strict=True):
                 scores[f"{name} and truth"] = quick_scores(segmentation.labels, self._scorer.truth)
-        for name, segmentation in zip(letters, rest):
-            scores[f"{name} and A"] = quick_scores(segmentation.labels, first.labels)
+        for name, segmentation in zip(names, rest, strict=True):
+            scores[f"{name} and {one}"] = quick_scores(segmentation.labels, first.labels)
         verdicts = [disagreement(first.labels, other.labels) for other in rest]
-        least = _least_agreed(first, rest[0]) if len(rest) == 1 else ""
+        least = _least_agreed(dict(zip(self.names, found)), self.mesh) if len(rest) == 1 else ""
         with self._lock:
             _stop_if(cancel)
             for view, verdict in zip(self.views, [np.max(verdicts, axis=0), *verdicts], strict=True):
                 view.set_errors(verdict)
-            shares = {name: float(np.mean(verdict == 2)) for name, verdict in zip(letters, verdicts)}
-            self._table.value = _table(scores, shares) + least
+            shares = {name: float(np.mean(verdict == 2)) for name, verdict in zip(names, verdicts)}
+            self._table.value = _table(scores, shares, one) + least
             self.set_trait("scores", scores)
             self.set_trait("segmentations", tuple(found))
         if self._disagreement is None:
@@ -427,10 +442,28 @@ def _check_measure(measure: Any) -> None:
         raise TypeError(f"disagreement is called with the labels of two sides: {error}") from None
 
 
+def _named(given: Mapping[str, Side], b: Side | None, others: Sequence[Side]) -> tuple[list[str], list[Side]]:
+    """Names of the sides, and these."""
+    if b is not None or others:
+        raise TypeError("a names all sides, so there are none after it: Compare(mesh, {'Ann': first, …})")
+    names = list(given)
+    if len(names) < 2:
+        raise ValueError(f"a must name two sides at least, got {len(names)}: {{'Ann': first, 'Bob': second}}")
+    wrong = next((name for name in names if not isinstance(name, str) or not name.strip()), None)
+    if wrong is not None:
+        raise TypeError(f"a must map names of sides to them, got the name {wrong!r:.200}")
+    return names, list(given.values())
+
+
 def _checked(name: str, side: Any, mesh: Mesh) -> Side:
     if side is None:
         return Params()
-    if isinstance(side, list | tuple | Mapping):
+    if isinstance(side, Mapping):
+        raise TypeError(
+            f"{name} must be Params or a Segmentation; sides with names are given once and all together: "
+            "Compare(mesh, {'Ann': first, 'Bob': second})"
+        )
+    if isinstance(side, list | tuple):
         raise TypeError(
             f"{name} must be Params or a Segmentation, got {type(side).__name__}; write each by itself: "
             "Compare(mesh, first, second, ...)"
@@ -465,10 +498,9 @@ def _mean_confidence(segmentation: Segmentation) -> Any:
     return total / np.maximum(np.bincount(labels, minlength=n), 1)
 
 
-def _least_agreed(a: Segmentation, b: Segmentation) -> str:
+def _least_agreed(both: Mapping[str, Segmentation], mesh: Mesh) -> str:
     """HTML, folded: the segments and the names on which the two agree least; their names are escaped."""
-    both = {"A": a, "B": b}
-    segments = agreement(both, a.mesh, by="area", per="segment").head(LISTED)
+    segments = agreement(both, mesh, by="area", per="segment").head(LISTED)
     heads = ("", "segment", "name", "m²", "best match", "its name", "IoU", "outside it")
     rows = [
         (side, segment, row["name"], f"{row['size']:.2f}", row["match"] if row["match"] >= 0 else "none",
@@ -476,14 +508,14 @@ def _least_agreed(a: Segmentation, b: Segmentation) -> str:
         for (side, _, segment), row in segments.iterrows()
     ]  # fmt: skip
     folded = _folded("Segments on which they agree least", heads, rows)
-    if not any(a.names) and not any(b.names):
+    if not any(name for side in both.values() for name in side.names):
         return folded
-    names = agreement(both, a.mesh, by="area", per="name")
+    names = agreement(both, mesh, by="area", per="name")
     by_name = [
         (name, f"{row['size_first']:.2f}", f"{row['size_second']:.2f}", f"{row['iou']:.2f}")
         for (_, _, name), row in names.iterrows()
     ]
-    return folded + _folded("Names", ("", "m² in A", "m² in B", "IoU"), by_name)
+    return folded + _folded("Names", ("", *(f"m² in {side}" for side in both), "IoU"), by_name)
 
 
 def _folded(title: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
@@ -495,23 +527,23 @@ def _folded(title: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) 
     return f"<details><summary>{title}</summary>{_scrolled(head, body)}</details>"
 
 
-def _table(scores: dict[str, dict[str, float]], shares: dict[str, float]) -> str:
-    """HTML, a row a comparison; all of its text is ours."""
+def _table(scores: dict[str, dict[str, float]], shares: dict[str, float], first: str) -> str:
+    """HTML, a row a comparison; the names of the sides are escaped, all other text is ours."""
     rows = {name: score_rows(values, {}) for name, values in scores.items()}
     head = "".join(
         f'<th style="{CELL_STYLE}" title="{html.escape(row["tip"])}">{row["name"]}</th>'
         for row in next(iter(rows.values()))
     )
     body = "".join(
-        f'<tr><th style="{CELL_STYLE};text-align:left">{name}</th>'
+        f'<tr><th style="{CELL_STYLE};text-align:left">{html.escape(name)}</th>'
         + "".join(f'<td style="{CELL_STYLE}">{row["text"]}</td>' for row in cells)
         + "</tr>"
         for name, cells in rows.items()
     )
     words = [f"{share:.1%}" + (f" ({name})" if len(shares) > 1 else "") for name, share in shares.items()]
-    who = "They disagree" if len(shares) == 1 else "The others disagree with A"
+    who = "They disagree" if len(shares) == 1 else f"The others disagree with {first}"
     note = f"{who} on {', '.join(words)} of the faces: colour by “Errors” shows where."
-    return f"{_scrolled(f'<th></th>{head}', body)}<div>{note}</div>"
+    return f"{_scrolled(f'<th></th>{head}', body)}<div>{html.escape(note)}</div>"
 
 
 def _scrolled(head: str, body: str) -> str:

@@ -67,6 +67,37 @@ def test_disagreement_is_coloured_on_both_sides(compare):
     assert compare.views[1].color_by == "errors"
 
 
+def test_sides_have_the_names_that_they_are_given_by():
+    mesh = analytic.square(2)  # 8 triangles
+    halves = sw.Segmentation.from_labels(mesh, [0] * 4 + [1] * 4)
+    given = {"<i>Ann": halves, "Bob": sw.Segmentation.from_labels(mesh, [0] * 6 + [1] * 2), "Cy": halves}
+    compare = sw.Compare(mesh, given, truth=halves)
+    compare.wait()
+    assert compare.names == tuple(given)
+    assert list(compare.scores)[2:] == ["Cy and truth", "Bob and <i>Ann", "Cy and <i>Ann"]
+    assert [title.value[:18] for title in compare._titles[:2]] == ["<b>&lt;i&gt;Ann</b", "<b>Bob</b> &nbsp;<"]
+    assert "Bob and &lt;i&gt;Ann" in compare._table.value
+    assert "<i>" not in compare._table.value
+    assert compare.to_frame().index.tolist() == list(given)
+    assert compare.views[1].errors_title == "Against <i>Ann"
+    with pytest.raises(TypeError, match="isn't noticed; they are measured"):
+        compare.scores["Cy and truth"]["rand_index_error"] = 0
+    compare.close()
+
+
+@pytest.mark.parametrize(
+    ("sides", "message"),
+    [
+        (({"Ann": GIVEN},), "a must name two sides at least, got 1"),
+        (({1: GIVEN, "Bob": GIVEN},), "a must map names of sides to them, got the name 1"),
+        (({"Ann": GIVEN, "Bob": GIVEN}, GIVEN), "a names all sides, so there are none after it"),
+    ],
+)
+def test_names_that_make_no_comparison_are_refused(sides, message):
+    with pytest.raises((TypeError, ValueError), match=message):
+        sw.Compare(MESH, *sides)
+
+
 def test_what_the_two_agree_on_least_is_listed_by_segment_and_name():
     mesh = analytic.square(2)  # 8 triangles
     first = sw.Segmentation.from_labels(mesh, [0] * 6 + [1] * 2, names=["<b>floor", ""])
@@ -236,7 +267,7 @@ def test_an_error_is_shown_on_its_side_and_raised(monkeypatch):
 
 
 def test_what_can_not_be_compared_is_refused():
-    with pytest.raises(TypeError, match="b must be Params or a Segmentation, got dict"):
+    with pytest.raises(TypeError, match="b must be .*; sides with names are given once"):
         sw.Compare(MESH, SMALL, {})
     box = shapes.box(2)
     other = sw.Segmentation.from_labels(box, np.zeros(box.n_faces, int))
