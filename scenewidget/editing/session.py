@@ -47,7 +47,7 @@ from scenewidget.editing.store import FileChangedError
 from scenewidget.editing.suggestions import Advisor, Dismissal, Suggestion
 from scenewidget.editing.vocabulary import NYU40, chosen_vocabulary, in_vocabulary
 from scenewidget.engine.atoms import Atoms
-from scenewidget.engine.checks import FixedList, KnownNames, checked_flag, checked_whole
+from scenewidget.engine.checks import FixedDict, FixedList, KnownNames, checked_flag, checked_whole
 from scenewidget.engine.mesh import BoolArray, IntArray, Mesh
 from scenewidget.engine.params import Params
 from scenewidget.engine.readers import load
@@ -557,13 +557,15 @@ class Session(KnownNames):
     def segment_names(self) -> dict[int, str]:
         """Names by the ids of `atom_segments`; segments without a name are left out."""
         with self._lock:
-            return dict(self._history.partition.names)
+            names = self._history.partition.names
+            return FixedDict(names, instead="; write session.relabel(face, 'chair')")
 
     @property
     def segment_groups(self) -> dict[int, int]:
         """What each segment is a part of, by the ids of `atom_segments`; those of nothing are left out."""
         with self._lock:
-            return dict(self._history.partition.groups)
+            groups = self._history.partition.groups
+            return FixedDict(groups, instead="; write session.group(faces, onto_face)")
 
     def part(self, face: int, level: Level, *, action: Literal["merge", "split"] = "merge") -> BoolArray:
         """(n_atoms,) the atoms that an edit at a face would move; to preview it.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches  # here, for it is needed where the interpreter shuts down
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 __all__ = [
+    "FixedDict",
     "FixedList",
     "KnownNames",
     "checked_count",
@@ -134,6 +135,39 @@ def did_you_mean(name: str, names: Iterable[str], *, alike: float = 0.6) -> str:
     """
     close = get_close_matches(name, list(names), n=1, cutoff=alike)
     return f"did you mean {close[0]!r}?" if close else ""
+
+
+class FixedDict(dict[Any, Any]):
+    """A table that is told, or exchanged as a whole: a change inside of it would reach nobody.
+
+    Parameters
+    ----------
+    values : dict
+    instead : str
+        What to do instead, after a semicolon.
+
+    Examples
+    --------
+    >>> FixedDict({0: "floor"}, instead="; write relabel(face, 'floor')")[1] = "wall"
+    Traceback (most recent call last):
+    TypeError: a change inside of this table isn't noticed; write relabel(face, 'floor')
+    """
+
+    def __init__(self, values: Mapping[Any, Any], *, instead: str = "") -> None:
+        super().__init__(
+            {k: FixedDict(v, instead=instead) if isinstance(v, dict) else v for k, v in values.items()}
+        )
+        self._instead = instead
+
+    def _refuse(self, *_: object, **__: object) -> Any:
+        """Refuse to be changed in place."""
+        raise TypeError(f"a change inside of this table isn't noticed{self._instead}")
+
+    update = pop = popitem = clear = setdefault = _refuse
+    __setitem__ = __delitem__ = __ior__ = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (dict, (dict(self),))
 
 
 class FixedList(list[Any]):

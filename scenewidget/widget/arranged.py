@@ -11,11 +11,14 @@ import traitlets
 __all__ = ["Arranged"]
 
 PIXELS = re.compile(r"\s*(\d+)(\.\d*)?(px)?\s*")
+HEIGHTS = ("height", "min_height", "max_height")
 LENGTH = re.compile(r"\s*[\d.]+\s*[a-z%]*\s*")
 
 
 class Arranged(widgets.DOMWidget):
     """A widget with a ``height``, which ``layout.height`` sets as well, and with parts that aren't exchanged.
+
+    Least and most heights of a layout would leave a gap below the picture or cut it off, so they are refused.
 
     Examples
     --------
@@ -56,15 +59,21 @@ class Arranged(widgets.DOMWidget):
     @traitlets.observe("layout")
     def _hear_layout(self, _: Any = None) -> None:
         if self._is_arranged:
-            self.layout.observe(self._take_height, "height")
-            self._take_height({"new": self.layout.height})
+            self.layout.observe(self._take_height, list(HEIGHTS))
+            for name in HEIGHTS:
+                self._take_height({"name": name, "new": getattr(self.layout, name)})
 
     def _take_height(self, change: Any) -> None:
         """Take a height that was meant for the picture; no length, such as "auto", stays in the layout."""
-        value = change["new"]
+        name, value = change["name"], change["new"]
         if not isinstance(value, str) or not LENGTH.fullmatch(value):
             return
-        self.layout.height = None
+        setattr(self.layout, name, None)
+        if name != "height":
+            raise ValueError(
+                f"layout.{name} of a {type(self).__name__} would not change its picture, got {value!r:.200}; "
+                "write height = 400"
+            )
         pixels = PIXELS.fullmatch(value)
         if pixels is None:
             raise ValueError(

@@ -164,11 +164,9 @@ class Compare(KnownNames, FaultTolerant, Arranged, widgets.VBox):
     ) -> None:
         refuse_options(Compare, options)
         self.pipeline = Pipeline(mesh)
-        names: Sequence[str] = LETTERS
-        if isinstance(a, Mapping):
-            names, (a, b, *others) = _named(a, b, others)
-        a, b = (_checked(name, side, self.mesh) for name, side in (("a", a), ("b", b)))
-        sides = [a, b, *(_checked("others", side, self.mesh) for side in others)]
+        names, given = _named(a, b, others) if isinstance(a, Mapping) else (list(LETTERS), [a, b, *others])
+        places = ["a", "b", *(["others"] * (len(given) - 2))]
+        sides = [_checked(place, side, self.mesh) for place, side in zip(places, given, strict=True)]
         if len(sides) > MOST:
             raise ValueError(f"others: at most {MOST} views at once, as browsers draw, got {len(sides)}")
         self.names = tuple(names[: len(sides)])
@@ -187,6 +185,7 @@ class Compare(KnownNames, FaultTolerant, Arranged, widgets.VBox):
         for view in self.views[1:]:
             for name in SHARED:
                 traitlets.link((first, name), (view, name))
+        a, b = sides[:2]
         self._titles = tuple(widgets.HTML() for _ in sides)
         self._table = widgets.HTML()
         self._worker = Worker(

@@ -11,7 +11,7 @@ from typing import Any
 import anywidget
 import traitlets
 
-from scenewidget.engine.checks import FixedList, KnownNames, did_you_mean
+from scenewidget.engine.checks import FixedDict, FixedList, KnownNames, did_you_mean
 from scenewidget.widget.arranged import Arranged
 from scenewidget.widget.observing import FaultTolerant
 from scenewidget.widget.upright import checked_up
@@ -60,8 +60,8 @@ ASKED = {  # methods that other viewers have
 }
 
 
-class FixedPairs(FixedList):
-    """As people set it of a view.
+class Whole(traitlets.List[Any]):
+    """A trait that holds a list to be exchanged as a whole.
 
     Examples
     --------
@@ -71,14 +71,69 @@ class FixedPairs(FixedList):
     TypeError: a change inside of this list isn't noticed; set the whole: view.section = [...]
     """
 
-    _instead = "; set the whole: view.section = [...]"
-
-
-class Whole(traitlets.List[Any]):
-    """A trait that holds a list to be exchanged as a whole."""
-
-    klass = FixedPairs
+    klass = FixedList
     _cast_types = (list, tuple)
+
+    def validate_elements(self, obj: Any, value: Any) -> Any:
+        """As of any list, and says how to change it."""
+        checked = super().validate_elements(obj, value)
+        checked._instead = f"; set the whole: view.{self.name} = [...]"
+        return checked
+
+
+class ToldList(traitlets.List[Any]):
+    """A trait that holds a list that people read only.
+
+    Parameters
+    ----------
+    trait : traitlets.TraitType
+        Of its members.
+    instead : str
+        What to write where somebody changes it.
+
+    Examples
+    --------
+    >>> SceneState().levels.append("mine")
+    Traceback (most recent call last):
+    TypeError: a change inside of this list isn't noticed; write view.set_segments(labels, levels={...})
+    """
+
+    klass = FixedList
+    _cast_types = (list, tuple)
+
+    def __init__(self, trait: Any, instead: str) -> None:
+        super().__init__(trait, read_only=True)
+        self._instead = f"; {instead}"
+
+    def validate_elements(self, obj: Any, value: Any) -> Any:
+        """As of any list, and says how to change it."""
+        checked = super().validate_elements(obj, value)
+        checked._instead = self._instead
+        return checked
+
+
+class Told(traitlets.Dict):
+    """A trait that holds a table that people read only.
+
+    Parameters
+    ----------
+    instead : str
+        What to write where somebody changes it.
+
+    Examples
+    --------
+    >>> SceneState().segment_groups[0] = 1
+    Traceback (most recent call last):
+    TypeError: a change inside of this table isn't noticed; write session.group(faces, onto_face)
+    """
+
+    def __init__(self, instead: str) -> None:
+        super().__init__(read_only=True)
+        self._instead = f"; {instead}"
+
+    def validate(self, obj: Any, value: Any) -> Any:
+        """As of any table, and says how to change it."""
+        return FixedDict(super().validate(obj, value) or {}, instead=self._instead)
 
 
 class SceneState(KnownNames, FaultTolerant, Arranged, anywidget.AnyWidget):
@@ -179,7 +234,7 @@ class SceneState(KnownNames, FaultTolerant, Arranged, anywidget.AnyWidget):
     history_shown = traitlets.Bool(False).tag(sync=True)
     """Whether the steps are listed; whoever sets ``editable`` then keeps the next two up to date."""
 
-    history = traitlets.List(traitlets.Dict()).tag(sync=True)
+    history = Whole(traitlets.Dict()).tag(sync=True)
     """Steps, oldest first, undone ones last.
 
     Each is ``{"n": int, "title": str, "time": float, "problem": str}``: so many edits are done after it, and
@@ -189,7 +244,7 @@ class SceneState(KnownNames, FaultTolerant, Arranged, anywidget.AnyWidget):
     n_done = traitlets.Int(0).tag(sync=True)
     """How many edits are done."""
 
-    suggestion: Any = traitlets.Dict(read_only=True).tag(sync=True)
+    suggestion: Any = Told("session.suggestions() finds them").tag(sync=True)
     """An edit to be judged: what a `Suggestion` has, and its ``number``; the number alone = there is none."""
 
     save_state = traitlets.Enum(SAVE_STATES, "").tag(sync=True)
@@ -212,7 +267,7 @@ class SceneState(KnownNames, FaultTolerant, Arranged, anywidget.AnyWidget):
     error = traitlets.Unicode().tag(sync=True)
     """Shown as text in a panel that people can dismiss, which sets it to ""."""
 
-    notices = traitlets.List(traitlets.Dict()).tag(sync=True)
+    notices = Whole(traitlets.Dict()).tag(sync=True)
     """Bars over the picture, each with its buttons; pressing one sends the message ``choose``.
 
     Each is ``{"key": str, "text": str, "actions": [[label, action], ...]}``.
@@ -220,16 +275,18 @@ class SceneState(KnownNames, FaultTolerant, Arranged, anywidget.AnyWidget):
 
     # --- told by Python alone ---------------------------------------------------------------------
 
-    levels = traitlets.List(traitlets.Unicode(), read_only=True).tag(sync=True)
+    levels = ToldList(traitlets.Unicode(), "write view.set_segments(labels, levels={...})").tag(sync=True)
     """Names of the levels whose parts can be pointed at."""
 
     n_segments = traitlets.Int(0, read_only=True).tag(sync=True)
     """Number of segments that have faces."""
 
-    segment_names = traitlets.Dict(read_only=True).tag(sync=True)
+    segment_names = Told("write session.relabel(face, name), or set_segments(labels, names={...})").tag(
+        sync=True
+    )
     """Names by the number of the segment, as text."""
 
-    segment_groups = traitlets.Dict(read_only=True).tag(sync=True)
+    segment_groups = Told("write session.group(faces, onto_face)").tag(sync=True)
     """What a segment is a part of, by its number as text; those of nothing are left out."""
 
     revision = traitlets.Int(0, read_only=True).tag(sync=True)
@@ -241,10 +298,10 @@ class SceneState(KnownNames, FaultTolerant, Arranged, anywidget.AnyWidget):
     errors_title = traitlets.Unicode(read_only=True).tag(sync=True)
     """Of the legend of the errors; "" = they can't be chosen."""
 
-    columns = traitlets.List(traitlets.Unicode(), read_only=True).tag(sync=True)
+    columns = ToldList(traitlets.Unicode(), "write view.offer_columns([...])").tag(sync=True)
     """Columns of a table of segments by which faces can be coloured; whoever offers them gives the values."""
 
-    values_legend = traitlets.Dict(read_only=True).tag(sync=True)
+    values_legend = Told("write view.set_values(values, title=…, low=…, high=…)").tag(sync=True)
     """Title and ends of the numbers on show: ``{"title": str, "low": float, "high": float}``."""
 
     # --- between this class and its front end -----------------------------------------------------

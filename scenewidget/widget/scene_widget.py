@@ -38,6 +38,7 @@ from scenewidget.widget.lifetimes import belongs_to_its_cell, close_all
 from scenewidget.widget.misplaced import place_to_get, place_to_set, refuse_options
 from scenewidget.widget.observing import FaultTolerant
 from scenewidget.widget.previewer import Previewer, preview_params
+from scenewidget.widget.scene_state import Told
 from scenewidget.widget.scene_view import SceneView
 from scenewidget.widget.scores import Scorer, score_rows
 from scenewidget.widget.suggestion_bar import SuggestionBar
@@ -135,7 +136,7 @@ class SceneWidget(KnownNames, FaultTolerant, Arranged, widgets.VBox):
     busy = traitlets.Bool(False, read_only=True)
     """Whether something is being computed."""
 
-    scores: Any = traitlets.Dict(read_only=True)
+    scores: Any = Told("they are measured after each result and edit")
     """Measures of the present segments against the truth, by name; empty without one."""
 
     _set_once = ("view", "controls", "pipeline")

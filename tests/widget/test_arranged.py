@@ -38,6 +38,16 @@ def test_other_lengths_are_refused(view, given):
     assert (view.height, view.layout.height) == (560, None)
 
 
+@pytest.mark.parametrize("name", ["min_height", "max_height"])
+def test_least_and_most_heights_are_refused(view, name):
+    with pytest.raises(
+        ValueError, match=rf"layout.{name} of a SceneView would not change .* '300px'; write h"
+    ):
+        setattr(view.layout, name, "300px")
+    assert (view.height, getattr(view.layout, name)) == (560, None)
+    setattr(view.layout, name, "none")
+
+
 def test_words_of_css_stay_in_the_layout(view):
     view.layout.height = "auto"
     assert (view.height, view.layout.height) == (560, "auto")

@@ -267,7 +267,7 @@ def test_an_error_is_shown_on_its_side_and_raised(monkeypatch):
 
 
 def test_what_can_not_be_compared_is_refused():
-    with pytest.raises(TypeError, match="b must be .*; sides with names are given once"):
+    with pytest.raises(TypeError, match=r"b must be .*; sides with names are given once"):
         sw.Compare(MESH, SMALL, {})
     box = shapes.box(2)
     other = sw.Segmentation.from_labels(box, np.zeros(box.n_faces, int))

@@ -35,6 +35,27 @@ def test_what_the_front_end_alone_reads_is_no_option():
     assert "revision" not in option_names()  # told by Python alone
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "way"),
+    [
+        ("levels", ["base"], r"write view.set_segments\("),
+        ("columns", ["area"], r"write view.offer_columns\("),
+        ("segment_names", {"0": "floor"}, r"write session.relabel\("),
+        ("segment_groups", {"0": 1}, r"write session.group\("),
+        ("values_legend", {"title": "", "low": 0}, r"write view.set_values\("),
+        ("suggestion", {"edit": {"kind": "merge"}}, r"session.suggestions\(\) finds them"),
+    ],
+)
+def test_a_change_inside_of_what_is_told_is_refused(state, name, value, way):
+    state.set_trait(name, value)
+    held = getattr(state, name)
+    inside = [held["edit"].clear] if "edit" in value else []
+    for change in (held.clear, lambda: held.__setitem__(0, 1), lambda: held.pop(0), *inside):
+        with pytest.raises(TypeError, match=f"isn't noticed; {way}"):
+            change()
+    assert held == getattr(state, name) == copy.deepcopy(held) == pickle.loads(pickle.dumps(held)) == value
+
+
 @pytest.mark.parametrize("name", ["section", "vocabulary", "quick_names"])
 def test_a_change_inside_of_a_list_is_refused(state, name):
     setattr(state, name, [(0, 1)] * 3 if name == "section" else ["chair"])
