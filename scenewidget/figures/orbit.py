@@ -22,6 +22,11 @@ from scenewidget.figures.scale import ColorScale
 
 __all__ = ["Figure"]
 
+# On a page that is narrower than a figure, the figure is drawn smaller instead of cut off.
+SHRINKING = (
+    "<style>.scenewidget-figure canvas { max-width: 100% !important; height: auto !important }</style>"
+)
+
 
 class Figure:
     """One or more drawings with one camera; it displays itself as the last value of a cell.
@@ -166,7 +171,8 @@ class Panel:
         self.layers: list[_Layer] = []
         self.draw(drawing, morph=morph)
         self.widget = widgets.VBox(
-            [self.title, self.renderer, self.legend], layout=widgets.Layout(width=f"{stage.width + 8}px")
+            [self.title, self.renderer, self.legend],
+            layout=widgets.Layout(width=f"{stage.width + 8}px", max_width="100%"),
         )
         self.widget.add_class("scenewidget-figure")
 
@@ -193,8 +199,9 @@ class Panel:
             self.layers = layers
             self.scene.children = [layer.object for layer in layers]
         for box, text in ((self.title, _title(drawing)), (self.legend, _legend(drawing))):
-            if box.value != text:
-                box.value = text
+            value = SHRINKING + text if box is self.title else text
+            if box.value != value:
+                box.value = value
             box.layout.display = "" if text else "none"
 
 

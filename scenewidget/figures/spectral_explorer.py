@@ -189,7 +189,11 @@ class SpectralExplorer(widgets.VBox):
         self.set_trait("source", int(self.mesh.faces[0, 0]))
         self._make_controls()
         self.figure = Figure([self._drawing()], view=view, width=width, height=height)
-        self.children = [self._picture(), widgets.HBox([self._mode, self._kind]), *self._sliders.values()]
+        self.children = [
+            self._picture(),
+            widgets.HBox([self._mode, self._kind], layout={"flex_flow": "row wrap"}),
+            *self._sliders.values(),
+        ]
         self.observe(self._take_basis, "laplacian")
         self.observe(self._set_clock, "time")
         self.observe(self._redraw, ["mode", "index", "n_functions", "source", "time", "laplacian"])
@@ -366,7 +370,10 @@ class SpectralExplorer(widgets.VBox):
 
 
 def _wide() -> dict[str, Any]:
-    return {"layout": widgets.Layout(width="460px"), "style": {"description_width": "150px"}}
+    return {
+        "layout": widgets.Layout(width="460px", max_width="calc(100% - 4px)"),
+        "style": {"description_width": "150px"},
+    }
 
 
 def _oval_ring() -> Mesh:

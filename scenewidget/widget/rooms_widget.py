@@ -140,10 +140,12 @@ class Rooms(KnownNames, Arranged, widgets.VBox):
         self.view.on_msg(self._handle_message)
         self._list = widgets.Dropdown(description="Room", layout={"width": "auto"})
         self._list.observe(self._choose, "value")
-        self._leave_button = widgets.Button(description="Close room", disabled=True)
+        self._leave_button = widgets.Button(description="Close room", disabled=True, layout={"flex": "none"})
         self._leave_button.on_click(lambda _: self.leave())
-        self._note = widgets.HTML()
-        self._bar = widgets.HBox([self._list, self._leave_button, self._note])
+        self._note = widgets.HTML(layout={"flex": "1 1 200px"})
+        self._bar = widgets.HBox(
+            [self._list, self._leave_button, self._note], layout={"flex_flow": "row wrap"}
+        )
         self._place = widgets.VBox()
         super().__init__([self.view, self._bar, self._place])
         self._show()
