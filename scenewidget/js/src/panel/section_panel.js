@@ -93,7 +93,7 @@ export function createSectionPanel(send, leave) {
         ends[0].style.zIndex = low > 0.5 ? "1" : "";
         kept.style.left = `${100 * low}%`;
         kept.style.right = `${100 * (1 - high)}%`;
-        const [from, to] = [low, high].map((t) => localNumber(t * lengths[axis], 1));
+        const [from, to] = [low, high].map((t) => localNumber(t * lengths[axis], lengths[axis] < 1 ? 2 : 1));
         text.textContent = `${from} – ${to} m`;
         for (const [i, end] of ends.entries()) end.setAttribute("aria-valuetext", `${[from, to][i]} m`);
       });

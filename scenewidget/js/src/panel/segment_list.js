@@ -196,8 +196,9 @@ export function createSegmentList(send, leave) {
       count.textContent = nHidden > 0 ? `${nSegments} · ${nHidden} hidden` : String(nSegments);
       const before = lines;
       lines = new Map(rows.map((row) => [row.segment, before.get(row.segment) ?? makeRow(row.segment)]));
+      const decimals = rows.every(({ area }) => area < 1) ? 4 : 2; // of what lies on a table, mm² are a lot
       for (const row of rows)
-        lines.get(row.segment)?.update(row, noun, row.whole === null ? "" : titleOf(row.whole));
+        lines.get(row.segment)?.update(row, noun, row.whole === null ? "" : titleOf(row.whole), decimals);
       arrange();
       const isGone = !lines.has(current);
       const first = body.rows[0]?.dataset.segment;
@@ -240,9 +241,14 @@ function makeRow(segment) {
   let last = "";
   return {
     line,
-    /** @param {Row} row @param {string} noun @param {string} whole  that it is a part of, "" for nothing */
-    update(row, noun, whole) {
-      const signature = JSON.stringify([row, noun, whole]);
+    /**
+     * @param {Row} row
+     * @param {string} noun
+     * @param {string} whole  that it is a part of, "" for nothing
+     * @param {number} decimals  of its area
+     */
+    update(row, noun, whole, decimals) {
+      const signature = JSON.stringify([row, noun, whole, decimals]);
       if (signature === last) return;
       last = signature;
       const isHidden = row.hidden === "all";
@@ -262,7 +268,7 @@ function makeRow(segment) {
       eye.setAttribute("aria-pressed", row.hidden === "none" ? "true" : isHidden ? "false" : "mixed");
       eye.title = isHidden ? "Show (H)" : "Hide (H)";
       faces.textContent = localNumber(row.faces);
-      area.textContent = row.area > 0 ? localNumber(row.area, 2) : "";
+      area.textContent = row.area > 0 ? localNumber(row.area, decimals) : "";
       confidence.textContent = row.confidence === null ? "" : localNumber(row.confidence, 2);
     },
     /** @param {boolean} isTabbable */

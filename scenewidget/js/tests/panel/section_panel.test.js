@@ -43,6 +43,15 @@ test("lengths are told in metres", () => {
   assert.equal(slider("Height from").getAttribute("aria-valuetext"), "0.5 m");
   assert.match(panel.element.textContent ?? "", /0\.5 – 1\.0 m/);
   assert.equal(slider("Show the whole scan").disabled, false);
+  panel.update(
+    [
+      [0, 1],
+      [0, 1],
+      [0, 0.5],
+    ],
+    [0.5, 3, 2],
+  ); // a table is told in centimetres
+  assert.match(panel.element.textContent ?? "", /0\.00 – 0\.50 m/);
 });
 
 test("the ceiling goes, everything comes back, and it closes with Escape", () => {

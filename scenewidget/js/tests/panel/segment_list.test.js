@@ -34,6 +34,13 @@ test("largest first; a column sorts, and again the other way", () => {
   assert.deepEqual(order(), [0, 1, 2]);
 });
 
+test("areas of what is small are told to the square centimetre", () => {
+  const area = (/** @type {number[]} */ areas) =>
+    fake(areas.map((value, i) => row(i, { area: value }))).lines()[1].textContent;
+  assert.match(area([0.1904, 0.0012]), /0\.0012/);
+  assert.match(area([12, 0.0012]), /200\.000\.50$/); // 20 faces, 0.00, 0.50
+});
+
 test("pointing, choosing and hiding say so", () => {
   const { lines, take } = fake();
   const [first] = lines();
