@@ -32,6 +32,12 @@ FLAT = 1e-9  # sine of an angle below which three points of a tangent plane lie 
 SEAM = 0.44  # of the root of a point's area: length of border for each pair across it
 BACK = -0.3  # cosine of normals below which neighbours are two sides of one thing
 DIFFERENCES = 65_000  # steps in which neighbours are told from those that differ less
+N_FITTED = 30_000  # points that are enough to find the plane that most of them lie on
+STEEP = 0.8  # cosine up to which a point faces along no plane
+BAND, THIN = 0.03, 0.008  # of the size of a scan: its largest plane is sought so near, and lies so near
+RISES = 0.015  # of the size, from which on things stand above that plane
+ON_PLANE = 0.35  # of the area, from which on a plane is what everything stands on; floors of rooms have 0.25
+THINGS = 0.01  # of the area, that the things on a plane have at least
 
 
 class PointCloud(Mesh):
@@ -321,8 +327,13 @@ class PointCloud(Mesh):
         _agree(pairs, dot < 0, np.argsort(differ, kind="stable"), piece, is_turned)
         areas, places = self.face_areas[self._order], self.points[self._order]
         normals = np.where(is_turned[:, None], -normals, normals)
-        inward = np.average(places, axis=0, weights=areas + 1e-300) - places
-        looks = np.bincount(piece, areas * np.einsum("ij,ij->i", normals, inward))
+        step = 1 + len(places) // N_FITTED
+        side = _side_of_things(places[::step], normals[::step], areas[::step] + 1e-300)
+        if side is None:  # a room: what is around the middle looks to it
+            inward = np.average(places, axis=0, weights=areas + 1e-300) - places
+            looks = np.bincount(piece, areas * np.einsum("ij,ij->i", normals, inward))
+        else:
+            looks = np.bincount(piece, areas * (normals @ side))
         return self._as_given(np.where((looks < 0)[piece][:, None], -normals, normals))
 
     @cached_property
@@ -346,6 +357,41 @@ class PointCloud(Mesh):
         _look_alike(self.face_normals[self._order], pairs, BACK, is_one_side)
         one, other = taken(self._order, pairs[is_one_side].ravel()).reshape(-1, 2).T
         return in_order(one, other)
+
+
+def _side_of_things(places: FloatArray, normals: FloatArray, areas: FloatArray) -> FloatArray | None:
+    """Unit normal of the plane that much of the surface lies on, to the side where the rest of it lies.
+
+    As of a table or a floor with things on it, seen from above. None where no plane has so much, or where
+    there is nothing on it, or something on both sides.
+    """
+    total = areas.sum()
+    normal = np.linalg.eigh((normals * areas[:, None]).T @ normals)[1][:, -1]
+    low, high = np.percentile(places, [1, 99], axis=0)
+    size = float(np.linalg.norm(high - low))
+    height = places @ normal
+    height = height - height.min()
+    if not size > 0 or height.max() > 1e4 * size:
+        return None
+    facing = np.where(np.abs(normals @ normal) > STEEP, areas, 0.0)
+    share = np.bincount((height / (BAND * size / 2)).astype(np.int64), facing)
+    share = share[:-1] + share[1:] if len(share) > 1 else share
+    is_near = np.abs(height - (share.argmax() + 1) * BAND * size / 2) <= BAND * size
+    for shrunk in 0.7 ** np.arange(
+        6
+    ):  # normals of single points lean by degrees: the plane is fitted to places
+        if areas[is_near].sum() < THINGS * total:
+            return None
+        middle = np.average(places[is_near], axis=0, weights=areas[is_near])
+        apart = places[is_near] - middle
+        turned = np.linalg.eigh((apart * areas[is_near][:, None]).T @ apart)[1][:, 0]
+        normal = -turned if turned @ normal < 0 else turned
+        height = (places - middle) @ normal
+        is_near = np.abs(height) < max(BAND * shrunk, THIN) * size
+    above, below = (float(areas[sign * height > RISES * size].sum() / total) for sign in (1, -1))
+    if areas[is_near].sum() < ON_PLANE * total or max(above, below) < max(THINGS, 4 * min(above, below)):
+        return None
+    return np.asarray(normal if above > below else -normal)
 
 
 @kernel

@@ -47,6 +47,27 @@ def test_normals_are_consistent_without_a_viewpoint():
     assert max((looks > 0).mean(), (looks < 0).mean()) > 0.99
 
 
+def things_on_a_table(*, upside_down=False, n=20_000):
+    """Points on a table of 1 m and on three boxes that stand on it, where a camera above sees them."""
+    rng = np.random.default_rng(0)
+    points, normals = [np.c_[rng.random((n, 2)), np.zeros(n)]], [np.tile([0.0, 0, 1], (n, 1))]
+    for x, y, height in ((0.1, 0.2, 0.1), (0.6, 0.1, 0.2), (0.4, 0.7, 0.3)):
+        m, side = n // 25, 0.2
+        points.append(np.c_[x + side * rng.random((m, 1)), y + side * rng.random((m, 1)), np.full(m, height)])
+        normals.append(np.tile([0.0, 0, 1], (m, 1)))
+        is_covered = ((points[0][:, :2] > (x, y)) & (points[0][:, :2] < (x + side, y + side))).all(axis=1)
+        points[0], normals[0] = points[0][~is_covered], normals[0][~is_covered]
+    turn = np.diag([1.0, -1.0, -1.0]) if upside_down else np.eye(3)
+    return np.concatenate(points) @ turn, np.concatenate(normals) @ turn
+
+
+@pytest.mark.parametrize("upside_down", [False, True])
+def test_a_table_of_points_is_seen_from_the_side_on_which_things_stand(upside_down):
+    points, normals = things_on_a_table(upside_down=upside_down)
+    found = PointCloud(points).face_normals  # boxes float: what lies under them nobody sees
+    assert np.mean(np.einsum("ij,ij->i", found, normals) > 0.9) > 0.99
+
+
 @pytest.mark.parametrize("digits", [8, 2])  # the second has points at one place and equal distances
 def test_pairs_are_those_of_the_six_nearest_within_reach(digits):
     points = np.round(sampled(shapes.icosphere(2), 900)[0], digits)
