@@ -39,6 +39,12 @@ MORE = 1.5  # times as much that stands around another axis makes one doubtful
 AT_ENDS = 0.06  # of the extent, within which floor and ceiling themselves lie
 THINGS = 0.005  # of the area, that furniture between them has at least
 TWICE = 1.5  # times as much that faces one way as the other
+NEAR_PLANE = 0.05  # of the width of a floor or ceiling, up to which what faces along it belongs to it
+ENCLOSED = 0.1  # of its area, that upright surface around it has at least where there are walls
+FURNISHED = 0.04  # of its area, that tops of furniture on a floor with walls have at least; lamps have 0.03
+CLUTTERED = 0.25  # of its area, from which on what faces neither along it nor along walls tells furniture
+MANY_TOPS = 0.2  # of its area, that tops have at least where it isn't known which way they face
+FROM_BELOW = 0.02  # of its area, that tops of furniture have below a ceiling, where nothing says more
 CLEAR_RISE = 0.2  # from which on floor and ceiling are told from two walls
 
 
@@ -99,7 +105,8 @@ def up_direction(mesh: Mesh, axes: Sequence[Axis] | None = None) -> FloatArray |
     and ceiling, 2.2 to 3.6 m, only such axes are asked, and those without an opposite side if they may be
     walls. What is mostly one plane with things on it is a table or a floor. Of the two ends, up is where more
     area faces, at more heights; of a cloud whose normals may point either way, where things stand on the
-    floor. None where another axis is nearly as likely, or the two ends are alike.
+    floor. None where another axis is nearly as likely, or the two ends are alike; and of a level plane with
+    walls around it but without much on it: lamps hang from ceilings as things stand on floors.
 
     Parameters
     ----------
@@ -115,11 +122,15 @@ def up_direction(mesh: Mesh, axes: Sequence[Axis] | None = None) -> FloatArray |
     array([0., 0., 1.])
     """
     axes = [axis for axis in axes or large_axes(mesh) if axis.share >= LEAST]
-    if not axes:
-        return None
+    up, side = _likely_up(mesh, axes) if axes else (None, 1.0)
+    return None if up is None else _as_things_stand(mesh, up, side)
+
+
+def _likely_up(mesh: Mesh, axes: Sequence[Axis]) -> tuple[FloatArray | None, float]:
+    """Up by the large planes, and the factor that makes normals point into free space."""
     has_sides = mesh.has_sides  # those of a cloud without normals are guesses
     if (axes[0].along if has_sides else axes[0].share) >= ALONE:
-        return _off_the_plane(mesh, axes[0], has_sides=has_sides)
+        return _off_the_plane(mesh, axes[0], has_sides=has_sides), 1.0
     evidence = right_side_out(mesh.face_centroids, mesh.face_normals, mesh.face_areas)
     side = 1.0
     if evidence < -INSIDE_OUT:
@@ -135,19 +146,52 @@ def up_direction(mesh: Mesh, axes: Sequence[Axis] | None = None) -> FloatArray |
     best = axes[int(np.argmax(scores))]
     others = [(axis, score) for axis, score in zip(axes, scores) if axis is not best]
     if any(score * CLEARLY > max(scores) for _, score in others):
-        return None
+        return None, side
     if not best.is_opposed and _turns_more(
         mesh, [best, *(a for a, score in others if score > max(scores) / 4)]
     ):
-        return None
+        return None, side
     if not has_sides and (best.is_opposed or low <= best.extent <= high):
-        return _below_the_middle(mesh, best)
+        return _below_the_middle(mesh, best), side
     if not has_sides:
-        return _off_the_plane(mesh, best, has_sides=evidence > INSIDE_OUT)
+        return _off_the_plane(mesh, best, has_sides=evidence > INSIDE_OUT), side
     rivals = [axis for axis, score in others if score > 0.5 * max(scores) and axis.is_opposed]
     if best.rise < ASYMMETRY or any(axis.rise > best.rise + 0.2 for axis in rivals):
-        return None
-    return _by_things(mesh, best, side)
+        return None, side
+    return _by_things(mesh, best, side), side
+
+
+def _as_things_stand(mesh: Mesh, up: FloatArray, side: float) -> FloatArray | None:
+    """``up`` where furniture bears it out, the other way where it speaks against it, else None.
+
+    Asked of a plane that walls stand around, without one opposite: a floor, or a ceiling upside down. Of
+    things on a plane without walls, and of rooms with floor and ceiling, ``up`` stays. Normals count as
+    multiplied by ``side``, or as that of the plane if they may point either way.
+    """
+    centers, normals, areas = _sample(mesh)
+    height, facing = centers @ up, side * (normals @ up)
+    low, high = np.percentile(height, [1, 99])
+    reach = NEAR_PLANE * float(
+        np.sqrt(mesh.face_areas.sum() * areas[np.abs(facing) > CONE].sum() / areas.sum())
+    )
+    is_low = (height < low + reach) & (np.abs(facing) > CONE)
+    if not mesh.has_sides:
+        facing = facing * (1.0 if areas[is_low] @ facing[is_low] >= 0 else -1.0)
+    floor = float(areas[is_low & (facing > 0)].sum())
+    opposite = float(areas[(height > high - reach) & (facing < -CONE)].sum())
+    if floor < LEAST * areas.sum() or opposite > OPPOSED * floor:
+        return up
+    above = np.where(height > low + reach, areas, 0.0) / floor
+    walls = float(above[np.abs(facing) < np.sqrt(1 - CONE**2)].sum())
+    alike, other = (float(above[sign * facing > CONE].sum()) for sign in (1, -1))
+    askew = float(above.sum()) - walls - alike - other
+    if walls < max(ENCLOSED, 4 * alike):
+        least = THINGS if mesh.has_sides else max(ON_IT, walls / 2)  # a rim leans where normals are guesses
+        return up if alike + askew > least else None
+    is_furnished = alike > FURNISHED or (alike > FURNISHED / 2 and askew > CLUTTERED)
+    if (is_furnished and alike > 2 * other) or (not mesh.has_sides and alike + other > MANY_TOPS):
+        return up
+    return -up if mesh.has_sides and other > max(FROM_BELOW, TWICE * alike) else None
 
 
 def _turns_more(mesh: Mesh, axes: Sequence[Axis]) -> bool:

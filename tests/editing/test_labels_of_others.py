@@ -190,3 +190,10 @@ def test_clouds_go_through_files_and_projects(tmp_path, suffix):
     if suffix == "glb":
         assert repr(sw.load(tmp_path / "out.glb")) == repr(sw.load_cloud(tmp_path / "out.glb"))
         assert sw.load(tmp_path / "out.glb").n_faces == 300
+
+
+def test_names_of_an_npz_that_are_no_text_are_refused(tmp_path, mesh):
+    names = np.full(3, 0x110000, dtype=np.uint32).view("<U1")  # beyond the last letter there is
+    np.savez(tmp_path / "a.npz", labels=np.arange(mesh.n_faces) % 3, names=names)
+    with pytest.raises(FormatError, match="an array of text that holds no letters"):
+        sw.import_labels(mesh, tmp_path / "a.npz")

@@ -107,6 +107,16 @@ def test_of_a_room_cut_askew_the_ceiling_is_no_floor(rooms, toward):
     assert sum(up is not None for up in told) >= 3
 
 
+@pytest.mark.parametrize("share", [0.5, 0.7, 0.9])
+def test_of_a_level_ceiling_with_the_upper_walls_nothing_is_sure(rooms, share):
+    for room in rooms:
+        low, high = room.bounds[:, 2]
+        part = room.part(np.flatnonzero(room.face_centroids[:, 2] > low + share * (high - low)))
+        assert up_direction(part) is None
+    below = room.part(np.flatnonzero(room.face_centroids[:, 2] < low + 0.5 * (high - low)))
+    assert up_direction(below) @ [0, 0, 1] > 0.99  # furniture tells
+
+
 def test_heights_of_a_plane_that_only_rounding_tells_apart():
     wall = shapes.grid_square(20, size=0.5)
     both = together(shapes.grid_square(30), Mesh(wall.vertices[:, [0, 2, 1]], wall.faces))
@@ -118,7 +128,7 @@ def test_heights_of_a_plane_that_only_rounding_tells_apart():
 def test_walls_as_far_apart_as_floor_and_ceiling_are_no_floor():
     room = flipped(block((4.3, 3.4, 2.0), n=24))
     is_open = room.face_normals[:, 2] > -0.9
-    shelf = block((1.2, 0.4, 0.5), (0, 1.4, 0))
+    shelf = block((1.6, 0.6, 0.5), (0, 1.4, 0))
     assert up_direction(together(Mesh(room.vertices, room.faces[is_open]), shelf)) @ [0, 0, 1] > 0.99
 
 

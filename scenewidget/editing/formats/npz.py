@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import re
+import sys
 import zipfile
 import zlib
 from pathlib import Path
@@ -150,4 +151,9 @@ def read_array(data: bytes, kinds: str) -> npt.NDArray[Any]:
         raise FormatError(f"has an array of dtype {dtype!s:.60}, where one of kind {kinds!r} is expected")
     if math.prod(shape) * dtype.itemsize != len(data) - start:
         raise FormatError(f"has an array whose shape {shape!r:.60} does not fit its {len(data)} bytes")
+    if (
+        dtype.kind == "U"
+        and (np.frombuffer(data, dtype.byteorder + "u4", offset=start) > sys.maxunicode).any()
+    ):
+        raise FormatError("has an array of text that holds no letters")
     return np.frombuffer(data, dtype, offset=start).reshape(shape, order="F" if is_fortran else "C")
