@@ -197,3 +197,11 @@ def test_names_of_an_npz_that_are_no_text_are_refused(tmp_path, mesh):
     np.savez(tmp_path / "a.npz", labels=np.arange(mesh.n_faces) % 3, names=names)
     with pytest.raises(FormatError, match="an array of text that holds no letters"):
         sw.import_labels(mesh, tmp_path / "a.npz")
+
+
+def test_labels_of_a_ply_that_are_lists_are_refused(tmp_path, mesh):
+    text = "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+    text += "property list uchar int label\nend_header\n3 0 1 2 1 7\n"
+    (tmp_path / "a.ply").write_text(text)
+    with pytest.raises(FormatError, match="lists of 'label' where a number each"):
+        sw.import_labels(mesh, tmp_path / "a.ply")

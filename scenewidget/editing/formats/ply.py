@@ -124,6 +124,8 @@ def read(path: Path, mesh: Mesh, *, property: str | None = None) -> Labels:  # n
         label = label_column(columns, property)
         if label is None:
             continue
+        if not isinstance(columns[label], np.ndarray):
+            raise FormatError(f"{path.name!r} has lists of {label!r:.60} where a number each is expected")
         values = whole_numbers(columns[label], label)
         if len(values) != sizes[element]:
             raise FormatError(
