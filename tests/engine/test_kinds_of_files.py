@@ -363,3 +363,22 @@ def test_pcd_of_old_and_colours_written_as_nan(tmp_path):
         cloud = load(written(tmp_path, "a.pcd", lost))
     np.testing.assert_array_equal(cloud.points, PLACES)
     assert cloud.vertex_colors is None
+
+
+@pytest.mark.parametrize("head", ["X (mm),Y (mm),Z (mm)", "x_mm,y_mm,z_mm", "x [mm],y [mm],z [mm]"])
+def test_the_unit_in_the_names_of_a_table_is_said(tmp_path, head):
+    path = written(tmp_path, "a.csv", head + "\n0,0,0\n1,0,2\n2,1,5\n")
+    with pytest.warns(UserWarning, match='columns are in mm, as their names say: units="mm"'):
+        assert load(path).n_faces == 3
+    plain = load(written(tmp_path, "a.csv", "x (m),y (m),z (m)\n0,0,0\n1,0,2\n2,1,5\n"))
+    assert not any("columns are in" in line for line in plain.report)
+
+
+def test_a_ply_in_capitals_and_a_second_scene_of_gltf(tmp_path):
+    head = "PLY\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    head += "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    assert load(written(tmp_path, "a.ply", head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")).n_faces == 1
+    text, data = gltf()
+    written(tmp_path, "a.bin", data)
+    two = json.loads(text) | {"scenes": [{"nodes": [0]}, {"nodes": [1]}]}
+    assert "the file holds 2 scenes" in load(written(tmp_path, "a.gltf", json.dumps(two))).report[0]

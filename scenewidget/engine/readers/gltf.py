@@ -278,6 +278,8 @@ def _parts(file: _File) -> Iterator[_Part]:
     nodes = file.content.get("nodes", [])
     scenes = file.content.get("scenes", [])
     roots = list(range(len(nodes)))
+    if len(scenes) > 1:
+        file.notes.say(f"the file holds {len(scenes)} scenes: that which it shows first was read")
     if scenes:
         roots = file.entry("scenes", file.content.get("scene", 0)).get("nodes", [])
     else:

@@ -206,7 +206,7 @@ def _read_header(path: Path, data: bytes, size: int = 0) -> tuple[str, list[_Ele
     end = re.compile(rb"^[ \t]*end_header[ \t]*(\r\n|\n|\r)", re.MULTILINE).search(data[:HEADER])
     if end is None and re.search(rb"\rend_header\r", data[:HEADER]):
         end = re.compile(rb"end_header\r").search(data[:HEADER])
-    if not data.startswith(b"ply"):
+    if data[:3].lower() != b"ply":
         raise MeshError(f"{path.name!r} does not start with 'ply': it is not a PLY file, or damaged")
     if end is None:
         raise MeshError(f"{path.name!r} is truncated: its PLY header has no end")

@@ -14,7 +14,7 @@ CLOUDS = ("pcd", "las", "laz", "e57", "xyz", "pts", "csv", "txt", "asc")
 HEAD = 4096
 
 _MAGIC = (  # what a file begins with, and what it is then
-    (rb"ply[ \t]*[\r\n]", "ply"),
+    (rb"(?i:ply)[ \t]*[\r\n]", "ply"),
     (rb"glTF", "glb"),
     (rb"LASF", "las"),
     (rb"ASTM-E57", "e57"),

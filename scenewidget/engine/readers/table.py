@@ -22,7 +22,10 @@ N_LOOKED_AT = 10_000  # rows that tell what a column without a name holds
 
 _PLACE = r"(?:(?:pos|position|coord|coordinate|points?|p|world|global|local)[ _.:]?)?"
 _NAMES = (  # that the columns of x, y, z, red, green, blue and the normal go by, in lower case
-    *((f"{_PLACE}{axis}(?:[ _]?(?:coord|coordinate|pos|position))?", axis) for axis in "xyz"),
+    *(
+        (f"{_PLACE}{axis}(?:[ _]?(?:coord|coordinate|pos|position))?(?:_(?:mm|cm|m|ft|in))?", axis)
+        for axis in "xyz"
+    ),
     *((f"points?:{k}", axis) for k, axis in enumerate("xyz")),
     *((name, axis) for name, axis in zip(("easting", "northing", "elevation|height|altitude"), "xyz")),
     *((f"(?:colou?r[ _.:]?)?(?:{c}|{name})f?", c) for c, name in zip("rgb", ("red", "green", "blue"))),
@@ -38,12 +41,15 @@ class _Table:
     values: FloatArray
     names: list[str] = field(default_factory=list)
     is_counted: bool = False
+    unit: str = ""  # that stands behind the names
 
 
 def read(path: Path, notes: Notes) -> Scan:
     """Points of the text at ``path``; ``notes`` hear what was guessed or lost."""
     table = _table(path)
     column = _roles(path, table, notes)
+    if table.unit not in ("", "m"):
+        notes.say(f'its columns are in {table.unit}, as their names say: units="{table.unit}"', warn=True)
     scan = Scan(np.stack([column[axis] for axis in "xyz"], axis=1))
     if all(name in column for name in ("nx", "ny", "nz")):
         scan.normals = np.stack([column[name] for name in ("nx", "ny", "nz")], axis=1)
@@ -62,6 +68,7 @@ def _table(path: Path) -> _Table:
     data = as_utf8(path.read_bytes())
     if b"\n" not in data:
         data = data.replace(b"\r", b"\n")
+    unit = re.search(rb"^[^\n]*?[xX][^\n,;|\t]*?(?:[\[(] ?|_)(mm|cm|m|ft|in)\b", data[:HEAD])
     names, data = _names(data)
     mark = _mark(data)
     if mark in (b" ", b"\t") and re.search(rb"(?:^|\s)-?\d{1,3}(?:,\d{3})+\.\d", data[:HEAD]):
@@ -83,7 +90,8 @@ def _table(path: Path) -> _Table:
             f"{path.name!r} is damaged or truncated: line {row + 1} of its points has {width[row]} numbers, "
             f"the first has {width[0]}"
         )
-    return _Table(values.reshape(-1, width[0]), names[: width[0]], promised is not None)
+    said = unit[1].decode() if unit is not None and names else ""
+    return _Table(values.reshape(-1, width[0]), names[: width[0]], promised is not None, said)
 
 
 def _rows(data: bytes, mark: bytes, names: list[str]) -> tuple[FloatArray, Any]:
