@@ -14,10 +14,12 @@ repository are passed over.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import sys
 import tempfile
 import time
+from collections.abc import Generator, Sequence
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "browser"))
@@ -364,17 +366,10 @@ def correct(book: conftest.Notebook, name: str, target: float, most: int, *, has
     )
 
 
-def main() -> None:
-    """Correct each scan."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--scans", nargs="+", default=["bedroom", "bedroom_noisy"])
-    parser.add_argument("--target", type=float, default=0.03)
-    parser.add_argument("--most", type=int, default=60, help="edits, at most")
-    parser.add_argument("--tools", action="store_true", help="also draw with the lasso")
-    parser.add_argument("--picture", help="file to which a screenshot goes at the end")
-    arguments = parser.parse_args()
-    scans = [name for name in arguments.scans if path_of(name).exists()]
-    for name in set(arguments.scans) - set(scans):
+def notebooks_of(names: Sequence[str]) -> Generator[tuple[str, conftest.Notebook], None, None]:
+    """Each scan that is there, and an empty notebook of a JupyterLab for it, which is closed afterwards."""
+    scans = [name for name in names if path_of(name).exists()]
+    for name in set(names) - set(scans):
         print(f"{name}: not there, left out")
     if not scans:
         return
@@ -391,12 +386,26 @@ def main() -> None:
             page.set_default_timeout(300_000)  # large scans take their time
             book = conftest.Notebook(page, server)
             try:
-                correct(book, name, arguments.target, arguments.most, has_tools=arguments.tools)
-                if arguments.picture:
-                    book.view().root.screenshot(path=arguments.picture)
+                yield name, book
             finally:
                 book.close()
         browser.close()
+
+
+def main() -> None:
+    """Correct each scan."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--scans", nargs="+", default=["bedroom", "bedroom_noisy"])
+    parser.add_argument("--target", type=float, default=0.03)
+    parser.add_argument("--most", type=int, default=60, help="edits, at most")
+    parser.add_argument("--tools", action="store_true", help="also draw with the lasso")
+    parser.add_argument("--picture", help="file to which a screenshot goes at the end")
+    arguments = parser.parse_args()
+    with contextlib.closing(notebooks_of(arguments.scans)) as books:
+        for name, book in books:
+            correct(book, name, arguments.target, arguments.most, has_tools=arguments.tools)
+            if arguments.picture:
+                book.view().root.screenshot(path=arguments.picture)
 
 
 if __name__ == "__main__":

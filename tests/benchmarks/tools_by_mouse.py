@@ -14,9 +14,9 @@ Scans that aren't beside the repository are passed over.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import sys
-import tempfile
 import time
 from pathlib import Path
 
@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "browser"))
 
 import conftest
 import numpy as np
-from correct_by_mouse import BELOW, KERNEL, MARGINS, N_SIDES, TURN, Hand, path_of
+from correct_by_mouse import BELOW, KERNEL, MARGINS, N_SIDES, TURN, Hand, notebooks_of, path_of
 from matplotlib.path import Path as Outline
 from scipy import ndimage
 
@@ -80,8 +80,6 @@ class Tools:
 
     def raster(self):
         """(n_rows, n_columns) segment at each place, -1 = none."""
-        import numpy as np
-
         self.hand.press("3")
         self.view.settle()
         return np.array(self.view.root.evaluate(RASTER, STEP))
@@ -244,23 +242,8 @@ def main() -> None:
     parser.add_argument("--scans", nargs="+", default=["real/tabletop_6", "real/kitchen_12mm"])
     parser.add_argument("--picture", help="file to which a screenshot goes at the end")
     arguments = parser.parse_args()
-    scans = [name for name in arguments.scans if path_of(name).exists()]
-    for name in set(arguments.scans) - set(scans):
-        print(f"{name}: not there, left out")
-    if not scans:
-        return
-    from playwright.sync_api import sync_playwright
-
-    with (
-        tempfile.TemporaryDirectory() as home,
-        sync_playwright() as playwright,
-        conftest.lab(Path(home)) as server,
-    ):
-        browser = playwright.chromium.launch(executable_path=conftest.find_chromium(), args=conftest.FLAGS)
-        for name in scans:
-            page = browser.new_page(viewport={"width": 1300, "height": 1000})
-            page.set_default_timeout(300_000)  # large scans take their time
-            book = conftest.Notebook(page, server)
+    with contextlib.closing(notebooks_of(arguments.scans)) as books:
+        for name, book in books:
             margins = (MARGINS[0], BELOW, MARGINS[2])
             book.open([KERNEL % {"path": str(path_of(name)), "turn": TURN, "margins": margins}])
             book.run_all()
@@ -273,8 +256,6 @@ def main() -> None:
                 tools.view.root.screenshot(path=arguments.picture)
             if book.errors:
                 raise AssertionError(f"the console said {book.errors}")
-            book.close()
-        browser.close()
 
 
 if __name__ == "__main__":
