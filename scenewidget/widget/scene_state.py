@@ -77,11 +77,15 @@ class Whole(traitlets.List[Any]):
     def validate_elements(self, obj: Any, value: Any) -> Any:
         """As of any list, and says how to change it."""
         checked = super().validate_elements(obj, value)
-        checked._instead = f"; set the whole: view.{self.name} = [...]"
+        checked._instead = self._instead
         return checked
 
+    @property
+    def _instead(self) -> str:
+        return f"; set the whole: view.{self.name} = [...]"
 
-class ToldList(traitlets.List[Any]):
+
+class ToldList(Whole):
     """A trait that holds a list that people read only.
 
     Parameters
@@ -98,18 +102,13 @@ class ToldList(traitlets.List[Any]):
     TypeError: a change inside of this list isn't noticed; write view.set_segments(labels, levels={...})
     """
 
-    klass = FixedList
-    _cast_types = (list, tuple)
-
     def __init__(self, trait: Any, instead: str) -> None:
         super().__init__(trait, read_only=True)
-        self._instead = f"; {instead}"
+        self._told = instead
 
-    def validate_elements(self, obj: Any, value: Any) -> Any:
-        """As of any list, and says how to change it."""
-        checked = super().validate_elements(obj, value)
-        checked._instead = self._instead
-        return checked
+    @property
+    def _instead(self) -> str:
+        return f"; {self._told}"
 
 
 class Told(traitlets.Dict):
