@@ -378,9 +378,7 @@ def _side_of_things(places: FloatArray, normals: FloatArray, areas: FloatArray) 
     share = np.bincount((height / (BAND * size / 2)).astype(np.int64), facing)
     share = share[:-1] + share[1:] if len(share) > 1 else share
     is_near = np.abs(height - (share.argmax() + 1) * BAND * size / 2) <= BAND * size
-    for shrunk in 0.7 ** np.arange(
-        6
-    ):  # normals of single points lean by degrees: the plane is fitted to places
+    for shrunk in 0.7 ** np.arange(6):  # by places, for normals of single points lean by degrees
         if areas[is_near].sum() < THINGS * total:
             return None
         middle = np.average(places[is_near], axis=0, weights=areas[is_near])

@@ -153,7 +153,7 @@ class Mesh:
                 raise MeshError(
                     f"faces_of_file must have one entry a face: ({len(faces)},), got {origin.shape}"
                 )
-            object.__setattr__(self, "faces_of_file", _read_only(np.array(origin, dtype=np.int32)))
+            object.__setattr__(self, "faces_of_file", read_only(np.array(origin, dtype=np.int32)))
 
     def seam_lengths(self, pairs: IntArray) -> FloatArray:
         """(n_pairs,) length of the edge that two faces share, metres; 0 where they share none.
@@ -192,13 +192,13 @@ class Mesh:
         faces : (n,) int
         """
         chosen = object.__new__(Mesh)  # all has been checked
-        rows = _read_only(taken(self.faces, faces))
+        rows = read_only(taken(self.faces, faces))
         vars(chosen).update(
             vertices=self.vertices, faces=rows, vertex_colors=self.vertex_colors, n_file_faces=len(rows)
         )
         for name in ("face_vectors", "face_areas", "face_normals", "face_centroids"):
             if name in vars(self):  # what is known of the faces need not be computed again
-                vars(chosen)[name] = _read_only(taken(vars(self)[name], faces))
+                vars(chosen)[name] = read_only(taken(vars(self)[name], faces))
         return chosen
 
     def part(self, faces: IntArray) -> Mesh:
@@ -214,11 +214,11 @@ class Mesh:
 
     @cached_property
     def _adjacency(self) -> IntArray:
-        return _read_only(_shared_edges(self))
+        return read_only(_shared_edges(self))
 
     @cached_property
     def _welded(self) -> IntArray:
-        return _read_only(_welded(self))
+        return read_only(_welded(self))
 
     @cached_property
     def _close_borders(self) -> dict[float, IntArray]:
@@ -247,7 +247,7 @@ class Mesh:
     def bounds(self) -> FloatArray:
         """(2, 3) least and most of the coordinates of vertices in use, metres."""
         used = self.vertices if self.is_used.all() else self.vertices[self.is_used]
-        return _read_only(np.array([[x.min() for x in used.T], [x.max() for x in used.T]]))
+        return read_only(np.array([[x.min() for x in used.T], [x.max() for x in used.T]]))
 
     @property
     def has_sides(self) -> bool:
@@ -271,7 +271,7 @@ class Mesh:
                 np.subtract(u * y, x * v, out=out[rows, i])
 
         by_parts(cross, self.n_faces)
-        return _read_only(out)
+        return read_only(out)
 
     @cached_property
     def face_areas(self) -> FloatArray:
@@ -283,7 +283,7 @@ class Mesh:
             np.multiply(0.5, np.sqrt(x + y + z), out=out[rows])
 
         by_parts(half_lengths, self.n_faces)
-        return _read_only(out)
+        return read_only(out)
 
     @cached_property
     def face_normals(self) -> FloatArray:
@@ -295,7 +295,7 @@ class Mesh:
             np.divide(self.face_vectors[rows], length, out=out[rows], where=length > 0)
 
         by_parts(units, self.n_faces)
-        return _read_only(out)
+        return read_only(out)
 
     @cached_property
     def face_centroids(self) -> FloatArray:
@@ -310,7 +310,7 @@ class Mesh:
             np.divide(sums, 3, out=out[rows])
 
         by_parts(middles, self.n_faces)
-        return _read_only(out)
+        return read_only(out)
 
 
 def taken(rows: npt.NDArray[Number], which: IntArray) -> npt.NDArray[Number]:
@@ -334,7 +334,21 @@ def taken(rows: npt.NDArray[Number], which: IntArray) -> npt.NDArray[Number]:
     return out
 
 
-def _read_only(array: npt.NDArray[Number]) -> npt.NDArray[Number]:
+def read_only(array: npt.NDArray[Number]) -> npt.NDArray[Number]:
+    """The same array, which can't be written any more.
+
+    Parameters
+    ----------
+    array : (n, ...)
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scenewidget.engine.mesh import read_only
+    >>> read_only(np.zeros(3))[0] = 1
+    Traceback (most recent call last):
+    ValueError: assignment destination is read-only
+    """
     array.flags.writeable = False
     return array
 
@@ -672,7 +686,7 @@ def connected_components(n_items: int, pairs: IntArray) -> tuple[int, IntArray]:
     (2, array([0, 0, 1, 1], dtype=int32))
     """
     component = np.arange(n_items, dtype=np.int32)
-    edges = _read_only(np.ascontiguousarray(pairs, dtype=np.int32).view())  # of one kind: it compiles once
+    edges = read_only(np.ascontiguousarray(pairs, dtype=np.int32).view())  # of one kind: it compiles once
     return int(_join_all(edges, component)), component
 
 

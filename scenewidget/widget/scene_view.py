@@ -26,7 +26,7 @@ from scenewidget.engine.atoms import Atoms, common_refinement
 from scenewidget.engine.boxes import oriented_boxes
 from scenewidget.engine.family import Family
 from scenewidget.engine.items import Items
-from scenewidget.engine.mesh import FloatArray, IntArray, Mesh
+from scenewidget.engine.mesh import FloatArray, IntArray, Mesh, read_only
 from scenewidget.engine.segmentation import Segmentation
 from scenewidget.palette import colormap_table, palette
 from scenewidget.widget.bundle import bundled
@@ -357,12 +357,12 @@ class SceneView(SceneState):
     @property
     def color_rows(self) -> IntArray:
         """(n,) row of the palette of each segment by its number; read-only."""
-        return _read_only(self._colors.rows.copy())
+        return read_only(self._colors.rows.copy())
 
     @property
     def segment_colors(self) -> npt.NDArray[np.uint8]:
         """(n, 3) uint8 colour of each segment by its number; read-only: a view chooses them."""
-        return _read_only(palette()[self._colors.rows])
+        return read_only(palette()[self._colors.rows])
 
     def set_values(
         self,
@@ -623,11 +623,6 @@ class SceneView(SceneState):
     def _put(self, name: str, array: npt.NDArray[Any]) -> None:
         self._headers = {**self._headers, name: header(array)}
         setattr(self, f"_{name}", array.tobytes())
-
-
-def _read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    array.flags.writeable = False
-    return array
 
 
 def check_height(height: object) -> None:
